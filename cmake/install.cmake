@@ -1,0 +1,1 @@
+# Install rules: headers, library, program, find_package and pkg-config files.

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+/// The door through which a level of detail goes out: counts first, then vertices, then triangles.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+
+#include "hewer/mesh_source.h"
+#include "hewer/types.h"
+
+namespace hewer {
+
+/// What a sink is told before the first vertex.
+struct SinkHeader {
+    std::uint64_t n_vertices = 0;
+    std::uint64_t n_triangles = 0;
+    bool has_normals = false;
+    bool has_colors = false;
+    bool has_alpha = false;
+    Bounds bounds;                     ///< of the vertices to come
+    bool has_double_positions = false; ///< of the input; float formats then write relative to an offset
+};
+
+/// Vertices that go out together. normals and colors are empty or as many as positions.
+struct VertexSpan {
+    std::span<const Vec3> positions;
+    std::span<const std::array<float, 3>> normals;
+    std::span<const Rgba16> colors;
+};
+
+/// Takes one mesh: begin(), any number of add_vertices(), any number of add_triangles(), finish().
+/// Exactly the announced numbers must be added. Nothing is visible under the final name until finish()
+/// has returned; a sink that is destroyed before that leaves no file behind.
+/// Throws: IoError; InvalidArgument from begin() if the format cannot hold the mesh.
+class MeshSink {
+  public:
+    virtual ~MeshSink() = default;
+    virtual void begin(const SinkHeader& header) = 0;
+    virtual void add_vertices(const VertexSpan& vertices) = 0;
+    virtual void add_triangles(std::span<const Triangle> triangles) = 0;
+    virtual void finish() = 0;
+    [[nodiscard]] virtual std::uint64_t bytes_written() const = 0;
+};
+
+/// A sink for a file, by its extension: .ply (binary little endian), .obj, .stl (binary), .glb.
+/// Throws InvalidArgument for another extension, or IoError if the folder cannot be written or the file
+/// exists and `overwrite` is false; both at once, before any work is lost.
+std::unique_ptr<MeshSink> create_mesh_file(const std::filesystem::path& path, bool overwrite = false);
+
+/// A sink that fills `mesh`, which must outlive it.
+std::unique_ptr<MeshSink> collect_mesh(Mesh& mesh);
+
+}  // namespace hewer

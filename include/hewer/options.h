@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+/// What a caller asks of simplify(). Nothing in here that speaks of memory, threads or temporary space
+/// changes a bit of the result.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "hewer/types.h"
+
+namespace hewer {
+
+/// How the clusters come about; see docs/pipeline.md.
+enum class Method {
+    Refine,   ///< fine grid, refined coarse to fine, finished by edge collapse (RSimp on OoCS cells)
+    Uniform,  ///< one grid as coarse as the target (OoCS): fastest
+    Full,     ///< every original vertex takes part (VMRSimp): slowest, needs memory by input size
+};
+
+/// What makes a cluster the worst one, to be split next.
+enum class SplitPriority {
+    Quadric,          ///< integrated squared distance to the planes of its triangles
+    NormalVariation,  ///< RSimp's own: area share times (1 - |mean normal|)
+};
+
+/// One level of detail that is asked for.
+struct Target {
+    enum class Kind {
+        Triangles,      ///< at most `value` triangles
+        Vertices,       ///< at most `value` vertices
+        Ratio,          ///< at most `value` (0..1] times the triangles of the input
+        Error,          ///< no original vertex displaced by more than `value` model units
+        RelativeError,  ///< the same, `value` times the diagonal of the bounding box
+    };
+    Kind kind = Kind::Ratio;
+    double value = 0;
+};
+
+struct SimplifyOptions {
+    /// One per level of detail. Several must be of one kind and go from fine to coarse; all of them come
+    /// from one read of the input and nest.
+    std::vector<Target> targets;
+
+    Method method = Method::Refine;
+    SplitPriority priority = SplitPriority::Quadric;
+
+    /// Edge of a grid cell in model units instead of one derived from the target.
+    std::optional<double> cell_size;
+    /// Box of the input; spares the scan of the vertices for it. A vertex outside is a FormatError.
+    std::optional<Bounds> bounds;
+
+    /// Weight of the border quadrics against the surface quadrics. 0: borders may wander.
+    double border_weight = 1.0;
+
+    /// Defects in the input end the run instead of being counted.
+    bool strict = false;
+
+    /// Bytes that the whole process may hold. 0: the control group's limit, else half of the machine.
+    std::uint64_t memory_bytes = 0;
+    /// 0: as many as the machine has.
+    unsigned n_threads = 0;
+    /// Where temporary files go. Empty: TMPDIR, else /tmp.
+    std::filesystem::path temp_dir;
+};
+
+}  // namespace hewer

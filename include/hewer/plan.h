@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+/// What a run would need, told from the header and a small sample, before any work.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "hewer/options.h"
+#include "hewer/report.h"
+
+namespace hewer {
+
+/// All figures are estimates except those that the header gives.
+struct PlanReport {
+    InputReport input;  ///< counts from the header; bounds and area from the sample
+    double cell_size = 0;
+    std::uint64_t cells = 0;
+    std::uint64_t surviving_triangles = 0;
+    std::uint64_t target_triangles = 0;
+    std::uint64_t memory_bytes = 0;        ///< peak, whole process
+    std::uint64_t memory_limit_bytes = 0;  ///< that would apply
+    bool fits = true;                      ///< memory_bytes <= memory_limit_bytes
+    std::uint64_t temp_bytes = 0;
+    std::uint64_t bytes_read = 0;
+    std::uint64_t bytes_written = 0;
+    double seconds = 0;
+};
+
+/// Reads the header and a sample of the input. Throws as simplify() does.
+PlanReport plan(const std::filesystem::path& input, const SimplifyOptions& options);
+
+}  // namespace hewer

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+/// A shaded picture of a mesh, for looking at results.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "hewer/mesh_source.h"
+#include "hewer/progress.h"
+
+namespace hewer {
+
+struct RenderOptions {
+    unsigned width = 1024;
+    unsigned height = 1024;
+    double azimuth_degrees = 30;    ///< turn of the camera about the vertical axis (z up, or y up)
+    double elevation_degrees = 20;  ///< of the camera above the horizon
+    bool y_up = false;
+    bool use_colors = true;  ///< vertex colours where the mesh has them
+    bool edges = false;      ///< draw the triangles' edges
+    double zoom = 1;         ///< 1 fits the bounding sphere into the picture
+    bool overwrite = false;
+    std::uint64_t memory_bytes = 0;
+    unsigned n_threads = 0;
+};
+
+/// Orthographic view, flat shading from triangle normals, 2x2 supersampling, written as PNG. Back faces
+/// are drawn in a warning colour, so that flipped triangles and holes show.
+/// Memory: 12 bytes a vertex and 32 bytes a pixel. Throws: FormatError, IoError, OutOfMemoryBudget.
+void render(MeshSource& mesh, const std::filesystem::path& png, const RenderOptions& options,
+            const Hooks& hooks = {});
+
+}  // namespace hewer

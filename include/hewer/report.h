@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+/// What a run tells about itself. Every number is counted or measured, none is an estimate unless its
+/// comment says so. app/report_json writes these fields under these names.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hewer/mesh_source.h"
+#include "hewer/options.h"
+#include "hewer/types.h"
+
+namespace hewer {
+
+/// One stage of the pipeline: "bounds", "cluster", "refine", "finish", "write", ...
+struct StageReport {
+    std::string name;
+    double seconds = 0;
+    std::uint64_t bytes_read = 0;
+    std::uint64_t bytes_written = 0;
+    std::uint64_t peak_budget_bytes = 0;    ///< most that was reserved at once during the stage
+    std::uint64_t peak_resident_bytes = 0;  ///< of the process so far, as the system counts it
+};
+
+struct InputReport {
+    std::string path;
+    std::string format;
+    std::uint64_t bytes = 0;
+    std::uint64_t vertices = 0;   ///< 0 for a soup
+    std::uint64_t faces = 0;      ///< as the file has them
+    std::uint64_t triangles = 0;  ///< after fanning polygons, dropped ones not counted
+    Bounds bounds;
+    bool has_normals = false;
+    bool has_colors = false;
+    std::vector<std::string> ignored;
+    InputDefects defects;
+    double area = 0;  ///< of all triangles, square model units
+    int vertex_passes = 0;
+    int triangle_passes = 0;
+};
+
+struct GridReport {
+    double cell_size = 0;                       ///< model units
+    std::array<std::uint64_t, 3> dimensions{};  ///< cells an axis
+    std::uint64_t occupied_cells = 0;
+    std::uint64_t border_cells = 0;          ///< with a border that does not cancel
+    std::uint64_t surviving_triangles = 0;   ///< corners in three different cells
+    bool is_consistently_wound = true;       ///< false: border quadrics were left out
+};
+
+/// Edge counts of a triangle mesh by indices, as a reader of the file sees them.
+struct TopologyReport {
+    std::uint64_t border_edges = 0;        ///< one face
+    std::uint64_t nonmanifold_edges = 0;   ///< more than two faces
+    std::uint64_t components = 0;
+    std::int64_t euler_characteristic = 0;
+};
+
+struct LodReport {
+    std::string path;
+    Target target;
+    std::uint64_t target_triangles = 0;  ///< what the target came to; 0 for error and vertex targets
+    std::uint64_t triangles = 0;
+    std::uint64_t vertices = 0;
+    Bounds bounds;
+    /// No original vertex is farther than this from the vertex that stands for it (model units), bar
+    /// those counted in `lost_cells`. A bound on the distance from the LOD to the original and, where
+    /// nothing was lost, from the original to the LOD.
+    double error_bound = 0;
+    std::uint64_t lost_cells = 0;  ///< grid cells whose whole surface collapsed away (tiny parts)
+    TopologyReport topology;
+    bool is_nested = true;  ///< every vertex of the next finer LOD has one parent here
+    std::uint64_t bytes = 0;
+};
+
+struct SimplifyReport {
+    std::string version;
+    SimplifyOptions options;  ///< as asked; 0 and empty ones filled in
+    InputReport input;
+    GridReport grid;
+    std::uint64_t refined_clusters = 0;  ///< leaves of the cluster tree; 0 without refinement
+    std::uint64_t collapses = 0;         ///< of the finishing edge collapse, all LODs
+    std::vector<LodReport> lods;
+    std::vector<StageReport> stages;
+    std::vector<std::string> warnings;
+    double seconds = 0;
+    std::uint64_t bytes_read = 0;
+    std::uint64_t bytes_written = 0;
+    std::uint64_t peak_budget_bytes = 0;
+    std::uint64_t peak_resident_bytes = 0;
+    /// FNV-1a over the vertices and triangles of all LODs: equal for equal results.
+    std::string result_hash;
+};
+
+}  // namespace hewer

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+/// What every stage is handed: memory, threads, a stop request, progress.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "hewer/progress.h"
+#include "ooc/memory_budget.h"
+
+namespace hewer::ooc {
+
+class Workers;
+
+/// A stage of a run, for progress: its name and its expected share of the time.
+struct StageWeight {
+    std::string name;
+    double weight = 1;
+};
+
+/// Lives as long as the run. advance() may be called by any thread; the callback runs on the caller's
+/// thread, never twice at once, at most ten times a second.
+class Context {
+  public:
+    /// n_threads 0: as many as the machine has. memory_bytes 0: default_memory_limit().
+    Context(std::uint64_t memory_bytes, unsigned n_threads, Hooks hooks,
+            std::vector<StageWeight> stages = {});
+    ~Context();
+    Context(const Context&) = delete;
+    Context& operator=(const Context&) = delete;
+
+    MemoryBudget& budget() { return budget_; }
+    Workers& workers() { return *workers_; }
+    [[nodiscard]] unsigned n_threads() const { return n_threads_; }
+
+    /// Throws Cancelled if the caller asked for an end.
+    void check_stop() const;
+
+    /// A stage starts; `total` in `unit`, 0 if not known. Unknown names get weight 0.
+    void begin_stage(const std::string& name, std::uint64_t total, const std::string& unit);
+    /// `amount` more is done. Also a check_stop().
+    void advance(std::uint64_t amount);
+    void end_stage();
+
+    void warn(const std::string& text);
+    [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+    [[nodiscard]] double elapsed_seconds() const;
+
+  private:
+    void report(bool always);
+
+    Hooks hooks_;
+    unsigned n_threads_;
+    MemoryBudget budget_;
+    std::unique_ptr<Workers> workers_;
+    std::vector<StageWeight> stages_;
+    std::vector<std::string> warnings_;
+    std::chrono::steady_clock::time_point start_;
+
+    std::mutex mutex_;
+    std::string stage_;
+    std::string unit_;
+    std::atomic<std::uint64_t> done_{0};
+    std::uint64_t total_ = 0;
+    double weight_before_ = 0;  // of the stages that are over
+    double weight_ = 0;         // of the current stage
+    double weight_sum_ = 0;
+    double last_fraction_ = 0;
+    std::atomic<std::int64_t> next_report_ns_{0};
+};
+
+}  // namespace hewer::ooc

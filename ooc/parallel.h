@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+/// Loops on all threads of a run. oneTBB underneath.
+#pragma once
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <cstdint>
+
+namespace hewer::ooc {
+
+/// The threads of one run; nothing runs on more than n_threads of them at once, the caller's included.
+/// An exception of any iteration ends the loop and is thrown to the caller.
+class Workers {
+  public:
+    explicit Workers(unsigned n_threads)
+        : n_threads_(n_threads), arena_(static_cast<int>(n_threads)) {}
+
+    [[nodiscard]] unsigned n_threads() const { return n_threads_; }
+
+    /// body(begin, end) over [0, n) in pieces of at most `grain`, in no particular order.
+    template <typename Body>
+    void for_ranges(std::uint64_t n, std::uint64_t grain, const Body& body) {
+        if (n == 0) return;
+        if (n_threads_ == 1 || n <= grain) {
+            for (std::uint64_t i = 0; i < n; i += grain) body(i, i + grain < n ? i + grain : n);
+            return;
+        }
+        arena_.execute([&] {
+            tbb::parallel_for(
+                tbb::blocked_range<std::uint64_t>(0, n, grain),
+                [&](const tbb::blocked_range<std::uint64_t>& r) { body(r.begin(), r.end()); },
+                tbb::simple_partitioner());
+        });
+    }
+
+    /// body(worker) once for each worker 0 .. n_threads-1, as far as possible at the same time: for
+    /// consumers that pull their work from a shared source.
+    template <typename Body>
+    void on_each(const Body& body) {
+        if (n_threads_ == 1) {
+            body(0U);
+            return;
+        }
+        arena_.execute([&] {
+            tbb::parallel_for(
+                tbb::blocked_range<unsigned>(0, n_threads_, 1),
+                [&](const tbb::blocked_range<unsigned>& r) {
+                    for (unsigned i = r.begin(); i != r.end(); ++i) body(i);
+                },
+                tbb::simple_partitioner());
+        });
+    }
+
+  private:
+    unsigned n_threads_;
+    tbb::task_arena arena_;
+};
+
+}  // namespace hewer::ooc
