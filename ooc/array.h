@@ -21,7 +21,8 @@ namespace hewer::ooc {
 void* map_pages(std::uint64_t bytes);
 void unmap_pages(void* address, std::uint64_t bytes) noexcept;
 
-/// A fixed number of trivially copyable elements, zero-initialised, reserved in a budget. Move-only.
+/// A fixed number of trivially copyable elements, zero-initialised, reserved in a budget.
+/// Move-only.
 template <typename T>
 class Array {
     static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);

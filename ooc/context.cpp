@@ -72,9 +72,9 @@ void Context::end_stage() {
 
 void Context::report(bool always) {
     if (!hooks_.on_progress) return;
-    const std::int64_t now =
-        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - start_)
-            .count();
+    const std::int64_t now = std::chrono::duration_cast<std::chrono::nanoseconds>(
+                                 std::chrono::steady_clock::now() - start_)
+                                 .count();
     std::int64_t next = next_report_ns_.load(std::memory_order_relaxed);
     if (!always && (now < next || !next_report_ns_.compare_exchange_strong(
                                       next, now + kReportIntervalNs, std::memory_order_relaxed))) {

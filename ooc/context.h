@@ -23,8 +23,8 @@ struct StageWeight {
     double weight = 1;
 };
 
-/// Lives as long as the run. advance() may be called by any thread; the callback runs on the caller's
-/// thread, never twice at once, at most ten times a second.
+/// Lives as long as the run. advance() may be called by any thread; the callback runs on the
+/// caller's thread, never twice at once, at most ten times a second.
 class Context {
   public:
     /// n_threads 0: as many as the machine has. memory_bytes 0: default_memory_limit().

@@ -114,7 +114,8 @@ OutputFile::OutputFile(const std::filesystem::path& path, bool overwrite)
     struct stat st {};
     if (::stat(path.c_str(), &st) == 0) {
         if (S_ISDIR(st.st_mode)) throw IoError(path.string() + ": is a directory");
-        if (!overwrite) throw IoError(path.string() + ": exists already; use --force to replace it");
+        if (!overwrite)
+            throw IoError(path.string() + ": exists already; use --force to replace it");
     }
     static std::atomic<unsigned> counter{0};
     temporary_ = path;
@@ -195,7 +196,8 @@ void OutputFile::commit() {
     if (overwrite_) {
         result = ::rename(temporary_.c_str(), path_.c_str());
     } else {
-        result = ::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, path_.c_str(), RENAME_NOREPLACE);
+        result =
+            ::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, path_.c_str(), RENAME_NOREPLACE);
         if (result != 0 && (errno == EINVAL || errno == ENOSYS)) {
             result = ::rename(temporary_.c_str(), path_.c_str());
         }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Files with 64-bit offsets, whole reads and writes, and errors that name path, operation and reason.
+/// Files with 64-bit offsets, whole reads and writes, and errors that name path, operation and
+/// reason.
 #pragma once
 
 #include <cstddef>
@@ -32,12 +33,14 @@ class InputFile {
     std::uint64_t size_ = 0;
 };
 
-/// A file that appears under its name only when it is whole: written beside it under a temporary name
-/// ("name.hewer-PID-N.tmp"), then renamed. Destroyed before commit(): the temporary file is removed.
-/// Buffered; one thread.
+/// A file that appears under its name only when it is whole: written beside it under a temporary
+/// name
+/// ("name.hewer-PID-N.tmp"), then renamed. Destroyed before commit(): the temporary file is
+/// removed. Buffered; one thread.
 class OutputFile {
   public:
-    /// Throws IoError: the folder is missing or not writable, or `path` exists and `overwrite` is false.
+    /// Throws IoError: the folder is missing or not writable, or `path` exists and `overwrite` is
+    /// false.
     OutputFile(const std::filesystem::path& path, bool overwrite);
     OutputFile(const OutputFile&) = delete;
     OutputFile& operator=(const OutputFile&) = delete;

@@ -44,8 +44,9 @@ Reservation MemoryBudget::reserve(std::string_view what, std::uint64_t bytes) {
         if (bytes > limit_ - std::min(used, limit_)) {
             const bool overflows = bytes > std::numeric_limits<std::uint64_t>::max() - used;
             throw OutOfMemoryBudget(
-                "memory limit reached: " + std::string(what) + " needs " + format_bytes(bytes) + ", " +
-                format_bytes(used) + " of " + format_bytes(limit_) + " are in use; raise --memory" +
+                "memory limit reached: " + std::string(what) + " needs " + format_bytes(bytes) +
+                ", " + format_bytes(used) + " of " + format_bytes(limit_) +
+                " are in use; raise --memory" +
                 (overflows ? std::string() : " to more than " + format_bytes(used + bytes)));
         }
     } while (!used_.compare_exchange_weak(used, used + bytes, std::memory_order_relaxed));

@@ -36,8 +36,8 @@ class Reservation {
 /// Thread-safe. The object must outlive its reservations.
 class MemoryBudget {
   public:
-    /// `limit` bytes for the process, of which `fixed` are taken at once for what does not grow: code,
-    /// stacks, libraries.
+    /// `limit` bytes for the process, of which `fixed` are taken at once for what does not grow:
+    /// code, stacks, libraries.
     explicit MemoryBudget(std::uint64_t limit, std::uint64_t fixed = kFixedBytes);
 
     /// Throws OutOfMemoryBudget, naming `what`, the bytes asked, used and the limit.

@@ -10,8 +10,8 @@
 
 namespace hewer::ooc {
 
-/// The threads of one run; nothing runs on more than n_threads of them at once, the caller's included.
-/// An exception of any iteration ends the loop and is thrown to the caller.
+/// The threads of one run; nothing runs on more than n_threads of them at once, the caller's
+/// included. An exception of any iteration ends the loop and is thrown to the caller.
 class Workers {
   public:
     explicit Workers(unsigned n_threads)

@@ -16,7 +16,8 @@ std::string format_bytes(std::uint64_t bytes) {
         ++unit;
     }
     std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), value < 10 ? "%.2f %s" : "%.1f %s", value, kUnits[unit]);
+    std::snprintf(text.data(), text.size(), value < 10 ? "%.2f %s" : "%.1f %s", value,
+                  kUnits[unit]);
     return text.data();
 }
 

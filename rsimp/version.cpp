@@ -3,6 +3,8 @@
 
 namespace hewer {
 
-const char* version() { return HEWER_VERSION; }
+const char* version() {
+    return HEWER_VERSION;
+}
 
 }  // namespace hewer

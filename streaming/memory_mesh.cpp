@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Meshes in memory as a source and as a sink.
 #include <algorithm>
+#include <cmath>
 #include <mutex>
 #include <utility>
 
@@ -131,6 +132,8 @@ std::unique_ptr<MeshSource> view_mesh(const Mesh& mesh, std::string name) {
     return std::make_unique<MeshView>(mesh, std::move(name));
 }
 
-std::unique_ptr<MeshSink> collect_mesh(Mesh& mesh) { return std::make_unique<MeshCollector>(mesh); }
+std::unique_ptr<MeshSink> collect_mesh(Mesh& mesh) {
+    return std::make_unique<MeshCollector>(mesh);
+}
 
 }  // namespace hewer

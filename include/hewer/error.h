@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// What ends a run. Everything the library throws on purpose derives from Error; the message says what
-/// failed, where, used and limit where one was hit, and what to try. Dirty geometry (degenerate,
-/// non-finite, out of range) is not an error but a counter in Report, unless `strict` is set.
+/// What ends a run. Everything the library throws on purpose derives from Error; the message says
+/// what failed, where, used and limit where one was hit, and what to try. Dirty geometry
+/// (degenerate, non-finite, out of range) is not an error but a counter in Report, unless `strict`
+/// is set.
 #pragma once
 
 #include <stdexcept>

@@ -10,11 +10,13 @@
 namespace hewer {
 
 struct GenerateOptions {
-    std::uint64_t n_triangles = 1'000'000;  ///< met within one row of the surface's own grid, never above
+    std::uint64_t n_triangles =
+        1'000'000;  ///< met within one row of the surface's own grid, never above
     std::uint64_t seed = 1;
-    bool shuffle = false;  ///< vertices and faces in a pseudo-random order, still without holding them
-    bool holes = false;    ///< open borders of several sizes, ragged as a scanner leaves them
-    bool color = false;    ///< 8-bit vertex colours
+    bool shuffle =
+        false;  ///< vertices and faces in a pseudo-random order, still without holding them
+    bool holes = false;  ///< open borders of several sizes, ragged as a scanner leaves them
+    bool color = false;  ///< 8-bit vertex colours
     unsigned n_threads = 0;
     bool overwrite = false;
 };
@@ -27,9 +29,9 @@ struct GenerateReport {
 };
 
 /// Writes binary little-endian PLY (float positions, `list uchar int` faces).
-/// The surface: a rounded body with relief on several scales, ridges, a sharp crease, and scan noise;
-/// without `holes` it is closed and manifold. Equal options give equal bytes for any thread count.
-/// Memory: O(1). Throws: IoError, InvalidArgument, Cancelled.
+/// The surface: a rounded body with relief on several scales, ridges, a sharp crease, and scan
+/// noise; without `holes` it is closed and manifold. Equal options give equal bytes for any thread
+/// count. Memory: O(1). Throws: IoError, InvalidArgument, Cancelled.
 GenerateReport generate(const std::filesystem::path& output, const GenerateOptions& options,
                         const Hooks& hooks = {});
 

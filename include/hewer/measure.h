@@ -22,13 +22,15 @@ struct MeasureOptions {
 
 /// Distances from points of one surface to the other surface, model units.
 struct DistanceReport {
-    double maximum = 0;  ///< of vertices and samples: a lower estimate of the one-sided Hausdorff distance
-    double mean = 0;     ///< of the area-weighted samples
-    double rms = 0;      ///< of the area-weighted samples
+    double maximum =
+        0;  ///< of vertices and samples: a lower estimate of the one-sided Hausdorff distance
+    double mean = 0;  ///< of the area-weighted samples
+    double rms = 0;   ///< of the area-weighted samples
     double vertex_maximum = 0;
     double vertex_mean = 0;
     double vertex_rms = 0;
-    std::uint64_t n_vertices = 0;  ///< all vertices of the surface that belong to a face, measured exactly
+    std::uint64_t n_vertices =
+        0;  ///< all vertices of the surface that belong to a face, measured exactly
     std::uint64_t n_samples = 0;
     Vec3 worst{};  ///< the point where the maximum was met
 };
@@ -44,9 +46,10 @@ struct MeasureReport {
 };
 
 /// Exact point-to-triangle distances, both ways. Deterministic for any thread count.
-/// Throws: FormatError, IoError, OutOfMemoryBudget, Cancelled, InvalidArgument (a mesh without triangles).
-MeasureReport measure(MeshSource& original, MeshSource& simplified, const MeasureOptions& options = {},
-                      const Hooks& hooks = {});
+/// Throws: FormatError, IoError, OutOfMemoryBudget, Cancelled, InvalidArgument (a mesh without
+/// triangles).
+MeasureReport measure(MeshSource& original, MeshSource& simplified,
+                      const MeasureOptions& options = {}, const Hooks& hooks = {});
 
 MeasureReport measure_files(const std::filesystem::path& original,
                             const std::filesystem::path& simplified,

@@ -19,8 +19,9 @@ struct SinkHeader {
     bool has_normals = false;
     bool has_colors = false;
     bool has_alpha = false;
-    Bounds bounds;                     ///< of the vertices to come
-    bool has_double_positions = false; ///< of the input; float formats then write relative to an offset
+    Bounds bounds;  ///< of the vertices to come
+    bool has_double_positions =
+        false;  ///< of the input; float formats then write relative to an offset
 };
 
 /// Vertices that go out together. normals and colors are empty or as many as positions.
@@ -31,9 +32,9 @@ struct VertexSpan {
 };
 
 /// Takes one mesh: begin(), any number of add_vertices(), any number of add_triangles(), finish().
-/// Exactly the announced numbers must be added. Nothing is visible under the final name until finish()
-/// has returned; a sink that is destroyed before that leaves no file behind.
-/// Throws: IoError; InvalidArgument from begin() if the format cannot hold the mesh.
+/// Exactly the announced numbers must be added. Nothing is visible under the final name until
+/// finish() has returned; a sink that is destroyed before that leaves no file behind. Throws:
+/// IoError; InvalidArgument from begin() if the format cannot hold the mesh.
 class MeshSink {
   public:
     virtual ~MeshSink() = default;
@@ -45,9 +46,10 @@ class MeshSink {
 };
 
 /// A sink for a file, by its extension: .ply (binary little endian), .obj, .stl (binary), .glb.
-/// Throws InvalidArgument for another extension, or IoError if the folder cannot be written or the file
-/// exists and `overwrite` is false; both at once, before any work is lost.
-std::unique_ptr<MeshSink> create_mesh_file(const std::filesystem::path& path, bool overwrite = false);
+/// Throws InvalidArgument for another extension, or IoError if the folder cannot be written or the
+/// file exists and `overwrite` is false; both at once, before any work is lost.
+std::unique_ptr<MeshSink> create_mesh_file(const std::filesystem::path& path,
+                                           bool overwrite = false);
 
 /// A sink that fills `mesh`, which must outlive it.
 std::unique_ptr<MeshSink> collect_mesh(Mesh& mesh);

@@ -16,8 +16,8 @@ namespace hewer {
 
 /// Dirt met while reading. Data, not errors: such elements are left out and the run goes on.
 struct InputDefects {
-    std::uint64_t nonfinite_vertices = 0;   ///< a coordinate is NaN or infinite
-    std::uint64_t nonfinite_triangles = 0;  ///< dropped: a corner is such a vertex
+    std::uint64_t nonfinite_vertices = 0;      ///< a coordinate is NaN or infinite
+    std::uint64_t nonfinite_triangles = 0;     ///< dropped: a corner is such a vertex
     std::uint64_t out_of_range_triangles = 0;  ///< dropped: a vertex index outside the vertex list
     std::uint64_t short_faces = 0;             ///< dropped: a face of fewer than three corners
     std::uint64_t polygons = 0;                ///< kept: faces of more than three corners, fanned
@@ -31,12 +31,13 @@ struct InputDefects {
 
 /// What is known of an input before it is read through. Counts are the file's own claim.
 struct SourceInfo {
-    std::string name;             ///< the path, for messages
-    std::string format;           ///< "PLY, binary little endian"
-    std::uint64_t n_vertices = 0; ///< 0 for a triangle soup
-    std::uint64_t n_faces = 0;    ///< faces of any size; n_triangles() is at least this, bar short faces
-    std::uint64_t n_bytes = 0;    ///< of the file; 0 for memory
-    bool is_indexed = true;       ///< false: triangle soup, vertices come with the triangles
+    std::string name;              ///< the path, for messages
+    std::string format;            ///< "PLY, binary little endian"
+    std::uint64_t n_vertices = 0;  ///< 0 for a triangle soup
+    std::uint64_t n_faces =
+        0;  ///< faces of any size; n_triangles() is at least this, bar short faces
+    std::uint64_t n_bytes = 0;  ///< of the file; 0 for memory
+    bool is_indexed = true;     ///< false: triangle soup, vertices come with the triangles
     bool has_double_positions = false;
     bool has_normals = false;
     bool has_colors = false;
@@ -44,8 +45,9 @@ struct SourceInfo {
     std::vector<std::string> ignored;  ///< properties and elements that hewer does not carry
 };
 
-/// Consecutive vertices. `normals` and `colors` are empty unless SourceInfo says that they are there.
-/// A non-finite position is delivered as it is (so that ids stay right) and counted in `defects`.
+/// Consecutive vertices. `normals` and `colors` are empty unless SourceInfo says that they are
+/// there. A non-finite position is delivered as it is (so that ids stay right) and counted in
+/// `defects`.
 struct VertexBatch {
     std::uint64_t first = 0;  ///< id of positions[0]
     std::vector<Vec3> positions;
@@ -54,19 +56,20 @@ struct VertexBatch {
     InputDefects defects;
 };
 
-/// Consecutive triangles in file order; polygons arrive as fans. Exactly one of the two lists is used:
-/// `corners` by indexed sources (every id < n_vertices), `points` by soups (all finite).
+/// Consecutive triangles in file order; polygons arrive as fans. Exactly one of the two lists is
+/// used: `corners` by indexed sources (every id < n_vertices), `points` by soups (all finite).
 struct TriangleBatch {
     std::uint64_t first_face = 0;  ///< number of the face that begins the batch
-    std::uint64_t n_faces = 0;     ///< faces consumed for this batch, dropped ones included: for progress
+    std::uint64_t n_faces =
+        0;  ///< faces consumed for this batch, dropped ones included: for progress
     std::vector<Triangle> corners;
     std::vector<std::array<Vec3, 3>> points;
     InputDefects defects;
 };
 
-/// A rewindable stream of a mesh. Reading is by passes: begin_vertices(), then next_vertices() until it
-/// returns false; the same for triangles. Either kind of pass may be made any number of times, in any
-/// order; they do not overlap.
+/// A rewindable stream of a mesh. Reading is by passes: begin_vertices(), then next_vertices()
+/// until it returns false; the same for triangles. Either kind of pass may be made any number of
+/// times, in any order; they do not overlap.
 ///
 /// Thread-safety: next_*() may be called by many threads at once; each call takes the next batch in
 /// file order and decodes it outside the lock, so that decoding runs on all of them.
@@ -88,8 +91,8 @@ class MeshSource {
     [[nodiscard]] virtual std::uint64_t bytes_read() const = 0;
 };
 
-/// Opens a file by its content, not its name: PLY (binary of both byte orders, ASCII) or binary STL.
-/// Checks the header against the file size. With `strict`, defects are thrown as FormatError.
+/// Opens a file by its content, not its name: PLY (binary of both byte orders, ASCII) or binary
+/// STL. Checks the header against the file size. With `strict`, defects are thrown as FormatError.
 /// Throws: FormatError, IoError.
 std::unique_ptr<MeshSource> open_mesh(const std::filesystem::path& path, bool strict = false);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// What a caller asks of simplify(). Nothing in here that speaks of memory, threads or temporary space
-/// changes a bit of the result.
+/// What a caller asks of simplify(). Nothing in here that speaks of memory, threads or temporary
+/// space changes a bit of the result.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace hewer {
 
 /// How the clusters come about; see docs/pipeline.md.
 enum class Method {
-    Refine,   ///< fine grid, refined coarse to fine, finished by edge collapse (RSimp on OoCS cells)
+    Refine,  ///< fine grid, refined coarse to fine, finished by edge collapse (RSimp on OoCS cells)
     Uniform,  ///< one grid as coarse as the target (OoCS): fastest
     Full,     ///< every original vertex takes part (VMRSimp): slowest, needs memory by input size
 };
@@ -39,8 +39,8 @@ struct Target {
 };
 
 struct SimplifyOptions {
-    /// One per level of detail. Several must be of one kind and go from fine to coarse; all of them come
-    /// from one read of the input and nest.
+    /// One per level of detail. Several must be of one kind and go from fine to coarse; all of them
+    /// come from one read of the input and nest.
     std::vector<Target> targets;
 
     Method method = Method::Refine;
@@ -57,7 +57,8 @@ struct SimplifyOptions {
     /// Defects in the input end the run instead of being counted.
     bool strict = false;
 
-    /// Bytes that the whole process may hold. 0: the control group's limit, else half of the machine.
+    /// Bytes that the whole process may hold. 0: the control group's limit, else half of the
+    /// machine.
     std::uint64_t memory_bytes = 0;
     /// 0: as many as the machine has.
     unsigned n_threads = 0;

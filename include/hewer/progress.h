@@ -9,11 +9,12 @@
 
 namespace hewer {
 
-/// One report of progress. `fraction` never falls during a run; `stage_fraction` never during a stage.
+/// One report of progress. `fraction` never falls during a run; `stage_fraction` never during a
+/// stage.
 struct Progress {
     std::string stage;          ///< "cluster", "refine", ...
     double stage_fraction = 0;  ///< of this stage, 0..1
-    double fraction = 0;        ///< of the whole run, 0..1, by the stages' expected share of the time
+    double fraction = 0;  ///< of the whole run, 0..1, by the stages' expected share of the time
     double elapsed_seconds = 0;
     double remaining_seconds = -1;  ///< negative: not known yet
     std::uint64_t done = 0;         ///< in `unit`
@@ -26,8 +27,8 @@ struct Progress {
 struct Hooks {
     std::function<void(const Progress&)> on_progress;
     std::function<void(const std::string&)> on_warning;
-    /// Checked at least once per batch of work: a stop request ends the run with Cancelled soon, and
-    /// leaves no file behind.
+    /// Checked at least once per batch of work: a stop request ends the run with Cancelled soon,
+    /// and leaves no file behind.
     std::stop_token stop;
 };
 

@@ -24,9 +24,9 @@ struct RenderOptions {
     unsigned n_threads = 0;
 };
 
-/// Orthographic view, flat shading from triangle normals, 2x2 supersampling, written as PNG. Back faces
-/// are drawn in a warning colour, so that flipped triangles and holes show.
-/// Memory: 12 bytes a vertex and 32 bytes a pixel. Throws: FormatError, IoError, OutOfMemoryBudget.
+/// Orthographic view, flat shading from triangle normals, 2x2 supersampling, written as PNG. Back
+/// faces are drawn in a warning colour, so that flipped triangles and holes show. Memory: 12 bytes
+/// a vertex and 32 bytes a pixel. Throws: FormatError, IoError, OutOfMemoryBudget.
 void render(MeshSource& mesh, const std::filesystem::path& png, const RenderOptions& options,
             const Hooks& hooks = {});
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// What a run tells about itself. Every number is counted or measured, none is an estimate unless its
-/// comment says so. app/report_json writes these fields under these names.
+/// What a run tells about itself. Every number is counted or measured, none is an estimate unless
+/// its comment says so. app/report_json writes these fields under these names.
 #pragma once
 
 #include <cstdint>
@@ -45,15 +45,15 @@ struct GridReport {
     double cell_size = 0;                       ///< model units
     std::array<std::uint64_t, 3> dimensions{};  ///< cells an axis
     std::uint64_t occupied_cells = 0;
-    std::uint64_t border_cells = 0;          ///< with a border that does not cancel
-    std::uint64_t surviving_triangles = 0;   ///< corners in three different cells
-    bool is_consistently_wound = true;       ///< false: border quadrics were left out
+    std::uint64_t border_cells = 0;         ///< with a border that does not cancel
+    std::uint64_t surviving_triangles = 0;  ///< corners in three different cells
+    bool is_consistently_wound = true;      ///< false: border quadrics were left out
 };
 
 /// Edge counts of a triangle mesh by indices, as a reader of the file sees them.
 struct TopologyReport {
-    std::uint64_t border_edges = 0;        ///< one face
-    std::uint64_t nonmanifold_edges = 0;   ///< more than two faces
+    std::uint64_t border_edges = 0;       ///< one face
+    std::uint64_t nonmanifold_edges = 0;  ///< more than two faces
     std::uint64_t components = 0;
     std::int64_t euler_characteristic = 0;
 };
@@ -61,13 +61,14 @@ struct TopologyReport {
 struct LodReport {
     std::string path;
     Target target;
-    std::uint64_t target_triangles = 0;  ///< what the target came to; 0 for error and vertex targets
+    std::uint64_t target_triangles =
+        0;  ///< what the target came to; 0 for error and vertex targets
     std::uint64_t triangles = 0;
     std::uint64_t vertices = 0;
     Bounds bounds;
-    /// No original vertex is farther than this from the vertex that stands for it (model units), bar
-    /// those counted in `lost_cells`. A bound on the distance from the LOD to the original and, where
-    /// nothing was lost, from the original to the LOD.
+    /// No original vertex is farther than this from the vertex that stands for it (model units),
+    /// bar those counted in `lost_cells`. A bound on the distance from the LOD to the original and,
+    /// where nothing was lost, from the original to the LOD.
     double error_bound = 0;
     std::uint64_t lost_cells = 0;  ///< grid cells whose whole surface collapsed away (tiny parts)
     TopologyReport topology;

@@ -22,8 +22,8 @@
 
 namespace hewer {
 
-/// The parents that tie one LOD to the next coarser one: parent[v] is the vertex of LOD k+1 that stands
-/// for vertex v of LOD k. Empty for the coarsest.
+/// The parents that tie one LOD to the next coarser one: parent[v] is the vertex of LOD k+1 that
+/// stands for vertex v of LOD k. Empty for the coarsest.
 using LodParents = std::vector<std::uint64_t>;
 
 /// Called once per LOD, finest first, just before it is written.
@@ -39,19 +39,21 @@ using ParentsCallback = std::function<void(std::size_t lod, const LodParents& pa
 /// Memory: docs/memory.md gives the formula; all of it is reserved within options.memory_bytes.
 /// Determinism: equal input and options give equal bytes for any thread count and memory limit.
 /// Throws: InvalidArgument, FormatError, IoError, OutOfMemoryBudget, Cancelled.
-SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const SimplifyOptions& options,
-                        const Hooks& hooks = {}, const ParentsCallback& parents = {});
+SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
+                        const SimplifyOptions& options, const Hooks& hooks = {},
+                        const ParentsCallback& parents = {});
 
 /// One input file, one output file for each target: OUTPUT itself for a single target, else
 /// name_lod0.ext, name_lod1.ext, ... and name_lods.json beside them.
-SimplifyReport simplify_file(const std::filesystem::path& input, const std::filesystem::path& output,
-                             const SimplifyOptions& options, const Hooks& hooks = {},
-                             bool overwrite = false);
+SimplifyReport simplify_file(const std::filesystem::path& input,
+                             const std::filesystem::path& output, const SimplifyOptions& options,
+                             const Hooks& hooks = {}, bool overwrite = false);
 
 /// In memory, one target.
 Mesh simplify_mesh(const Mesh& mesh, const SimplifyOptions& options, const Hooks& hooks = {});
 
-/// Where LOD `lod` of `n_lods` goes when the user named `output`: "statue.ply" -> "statue_lod0.ply".
+/// Where LOD `lod` of `n_lods` goes when the user named `output`: "statue.ply" ->
+/// "statue_lod0.ply".
 std::filesystem::path lod_path(const std::filesystem::path& output, std::size_t lod,
                                std::size_t n_lods);
 

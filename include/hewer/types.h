@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 
@@ -29,7 +30,7 @@ struct Bounds {
     [[nodiscard]] bool is_empty() const { return !(min[0] <= max[0]); }
 
     void extend(const Vec3& p) {
-        for (int i = 0; i < 3; ++i) {
+        for (std::size_t i = 0; i < 3; ++i) {
             if (p[i] < min[i]) min[i] = p[i];
             if (p[i] > max[i]) max[i] = p[i];
         }

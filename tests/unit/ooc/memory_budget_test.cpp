@@ -16,7 +16,8 @@ TEST(MemoryBudget, RefusesWhatExceedsTheLimitAndNamesTheSufficientOne) {
         const Reservation second = budget.reserve("second", 1 << 20);
         FAIL() << "was granted";
     } catch (const OutOfMemoryBudget& e) {
-        EXPECT_NE(std::string(e.what()).find("second needs 1.00 MiB"), std::string::npos) << e.what();
+        EXPECT_NE(std::string(e.what()).find("second needs 1.00 MiB"), std::string::npos)
+            << e.what();
         EXPECT_NE(std::string(e.what()).find("1.50 MiB"), std::string::npos) << e.what();
     }
     EXPECT_EQ(budget.used(), 1U << 19);
@@ -43,7 +44,9 @@ TEST(MemoryBudget, GetsBytesBackAndRemembersThePeak) {
     EXPECT_EQ(budget.peak(), 1000U);
 }
 
-TEST(MemoryBudget, DefaultLimitIsPositive) { EXPECT_GT(default_memory_limit(), 1U << 20); }
+TEST(MemoryBudget, DefaultLimitIsPositive) {
+    EXPECT_GT(default_memory_limit(), 1U << 20);
+}
 
 TEST(Array, IsZeroedAndAccountedFor) {
     MemoryBudget budget(64 << 20, 0);
