@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: MIT
+#include "cluster/accumulate.h"
+
+#include <cmath>
+#include <map>
+#include <mutex>
+
+#include "ooc/parallel.h"
+
+namespace hewer::cluster {
+
+std::pair<ooc::Array<CellTriple>, std::uint64_t> TripleList::pop_piece() {
+    if (pieces_.empty()) return {};
+    std::pair<ooc::Array<CellTriple>, std::uint64_t> last{std::move(pieces_.back()), used_};
+    pieces_.pop_back();
+    used_ = kPiece;
+    return last;
+}
+
+namespace {
+
+// Areas add up as integers too: the report must not depend on the order of the batches.
+constexpr double kAreaScale = 1024;
+
+struct Corner {
+    LatticePoint point;
+    std::uint32_t cell;
+};
+
+/// One worker's view of the pass.
+class Accumulator {
+  public:
+    Accumulator(ooc::Context& context, const UniformGrid& grid, CellTable& table, TripleList& triples,
+                bool with_face_normals)
+        : budget_(context.budget()),
+          grid_(grid),
+          fixed_(grid.resolution()),
+          table_(table),
+          triples_(triples),
+          with_face_normals_(with_face_normals),
+          is_shared_(context.n_threads() > 1) {}
+
+    void add(const std::array<Corner, 3>& t) {
+        ++n_triangles;
+        const LatticePoint& p0 = t[0].point;
+        const LatticePoint& p1 = t[1].point;
+        const LatticePoint& p2 = t[2].point;
+        const double step = grid_.step_in_cells();
+        const Vec3 cross2 = cross(difference(p1, p0, step), difference(p2, p0, step));
+        const double length = std::sqrt(dot(cross2, cross2));
+        const double area = 0.5 * length;
+        const bool is_flat = !(length > 0);
+        if (is_flat) ++n_degenerate;
+        const Vec3 normal = is_flat ? Vec3{} : (1 / length) * cross2;
+        area_units += round_to_int(area * kAreaScale);
+
+        const bool same01 = t[0].cell == t[1].cell;
+        const bool same12 = t[1].cell == t[2].cell;
+        if (same01 && same12) {
+            if (t[0].cell != run_cell_) {
+                flush();
+                run_cell_ = t[0].cell;
+            }
+            const Vec3 a = offset(p0);
+            const Vec3 b = offset(p1);
+            const Vec3 c = offset(p2);
+            run_.add_plane(fixed_, normal, area, (1.0 / 3) * (a + b + c));
+            // The border vectors of the three corners cancel; their moments are twice this.
+            const auto qa = quantized(p0);
+            const auto qb = quantized(p1);
+            const auto qc = quantized(p2);
+            for (std::size_t i = 0; i < 3; ++i) {
+                const std::size_t j = (i + 1) % 3;
+                const std::size_t k = (i + 2) % 3;
+                run_.border[3 + i] += 2 * (qa[j] * (qb[k] - qc[k]) - qa[k] * (qb[j] - qc[j]) +
+                                           qb[j] * qc[k] - qb[k] * qc[j]);
+            }
+            if (with_face_normals_) add_face_normal(t[0].cell, normal, area);
+            return;
+        }
+        for (std::size_t v = 0; v < 3; ++v) {
+            const LatticePoint& p = t[v].point;
+            const LatticePoint& next = t[(v + 1) % 3].point;
+            const LatticePoint& previous = t[(v + 2) % 3].point;
+            CellContribution one;
+            one.add_plane(fixed_, normal, area / 3, offset(p));
+            const auto q = quantized(p);
+            std::array<std::uint32_t, 3> chord;  // w - u for the corner v of (u, v, w)
+            for (std::size_t i = 0; i < 3; ++i) {
+                chord[i] = static_cast<std::uint32_t>(
+                    grid_.quantized(next[i], fixed_.border_bits) -
+                    grid_.quantized(previous[i], fixed_.border_bits));
+                one.border[i] = chord[i];
+            }
+            for (std::size_t i = 0; i < 3; ++i) {
+                const std::size_t j = (i + 1) % 3;
+                const std::size_t k = (i + 2) % 3;
+                one.border[3 + i] = q[j] * chord[k] - q[k] * chord[j];
+            }
+            one.add_to(table_.sums(t[v].cell), is_shared_);
+            if (with_face_normals_) add_face_normal(t[v].cell, normal, area / 3);
+        }
+        if (!same01 && !same12 && t[0].cell != t[2].cell) {
+            triples_.push(budget_, {t[0].cell, t[1].cell, t[2].cell});
+        }
+    }
+
+    void flush() {
+        if (run_cell_ == CellTable::kNone) return;
+        run_.add_to(table_.sums(run_cell_), is_shared_);
+        run_ = {};
+        run_cell_ = CellTable::kNone;
+    }
+
+    std::uint64_t n_triangles = 0;
+    std::uint64_t n_degenerate = 0;
+    std::int64_t area_units = 0;
+
+  private:
+    static Vec3 difference(const LatticePoint& a, const LatticePoint& b, double step) {
+        Vec3 d;
+        for (std::size_t i = 0; i < 3; ++i) {
+            d[i] = static_cast<double>(static_cast<std::int64_t>(a[i]) -
+                                       static_cast<std::int64_t>(b[i])) *
+                   step;
+        }
+        return d;
+    }
+    [[nodiscard]] Vec3 offset(const LatticePoint& p) const {
+        return {grid_.offset(p[0]), grid_.offset(p[1]), grid_.offset(p[2])};
+    }
+    /// Place relative to the centre of the point's own cell, in 2^-border_bits cells; modulo 2^32, as
+    /// all arithmetic on borders.
+    [[nodiscard]] std::array<std::uint32_t, 3> quantized(const LatticePoint& p) const {
+        const unsigned bits = fixed_.border_bits;
+        const auto mask = (1U << bits) - 1;
+        std::array<std::uint32_t, 3> q;
+        for (std::size_t i = 0; i < 3; ++i) {
+            q[i] = (static_cast<std::uint32_t>(grid_.quantized(p[i], bits)) & mask) - (1U << bits) / 2;
+        }
+        return q;
+    }
+    void add_face_normal(std::uint32_t cell, const Vec3& normal, double area) {
+        AttributeSums& sums = table_.attributes(cell);
+        std::uint32_t unshared = 0;
+        const FieldLock lock(is_shared_ ? table_.sums(cell).lock : unshared);
+        for (std::size_t i = 0; i < 3; ++i) {
+            sums.face_normal[i] += round_to_int(area * normal[i] * fixed_.scale);
+        }
+    }
+
+    ooc::MemoryBudget& budget_;
+    const UniformGrid& grid_;
+    FixedPoint fixed_;
+    CellTable& table_;
+    TripleList& triples_;
+    bool with_face_normals_;
+    bool is_shared_;
+    // Triangles inside one cell come in runs: they are added up here first.
+    std::uint32_t run_cell_ = CellTable::kNone;
+    CellContribution run_;
+};
+
+}  // namespace
+
+AccumulateResult accumulate(ooc::Context& context, const AccumulateInput& input, CellTable& table,
+                            bool with_face_normals) {
+    AccumulateResult result;
+    result.triples.resize(context.n_threads());
+    std::mutex mutex;
+    std::map<std::uint64_t, InputDefects> defects_by_place;
+    std::int64_t area_units = 0;
+    std::uint64_t n_degenerate = 0;
+
+    input.source.begin_triangles();
+    context.workers().on_each([&](unsigned worker) {
+        Accumulator accumulator(context, input.grid, table, result.triples[worker], with_face_normals);
+        TriangleBatch batch;
+        while (input.source.next_triangles(batch)) {
+            std::array<Corner, 3> t;
+            for (const Triangle& ids : batch.corners) {
+                bool is_usable = true;
+                for (std::size_t i = 0; i < 3; ++i) {
+                    t[i] = {input.vertices.points[ids[i]], input.vertices.cells[ids[i]]};
+                    is_usable &= t[i].cell != CellTable::kNone;
+                }
+                if (is_usable) {
+                    accumulator.add(t);
+                } else {
+                    ++batch.defects.nonfinite_triangles;
+                }
+            }
+            if (!batch.points.empty()) {
+                const CellTable::Admission admission(table, 3 * batch.points.size());
+                for (const auto& points : batch.points) {
+                    for (std::size_t i = 0; i < 3; ++i) {
+                        for (std::size_t k = 0; k < 3; ++k) {
+                            if (!(points[i][k] >= input.bounds.min[k] &&
+                                  points[i][k] <= input.bounds.max[k])) {
+                                throw_outside_bounds(input.source, "a triangle");
+                            }
+                        }
+                        t[i].point = input.lattice.encode(points[i]);
+                        t[i].cell = table.find_or_insert(input.grid.key(t[i].point));
+                    }
+                    accumulator.add(t);
+                }
+                accumulator.flush();  // the table may grow between batches, never under a run
+            }
+            context.advance(batch.n_faces);
+            const std::lock_guard lock(mutex);
+            const InputDefects& d = batch.defects;
+            if (d.nonfinite_triangles + d.out_of_range_triangles + d.short_faces + d.polygons > 0) {
+                defects_by_place[batch.first_face] = d;
+            }
+        }
+        accumulator.flush();
+        const std::lock_guard lock(mutex);
+        result.n_triangles += accumulator.n_triangles;
+        n_degenerate += accumulator.n_degenerate;
+        area_units += accumulator.area_units;
+    });
+
+    for (const auto& [place, defects] : defects_by_place) result.defects.merge(defects);
+    result.defects.degenerate_triangles += n_degenerate;
+    const double cell = input.grid.cell_size(input.lattice);
+    result.area = static_cast<double>(area_units) / kAreaScale * cell * cell;
+    return result;
+}
+
+}  // namespace hewer::cluster

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#include "cluster/cell_table.h"
+
+#include <bit>
+#include <mutex>
+#include <utility>
+
+#include "hewer/error.h"
+
+namespace hewer::cluster {
+
+namespace {
+
+// Share of the table that may be used; probes stay short below it.
+constexpr double kLoad = 0.7;
+
+std::uint64_t capacity_for(std::uint64_t n_cells) {
+    return std::bit_ceil(static_cast<std::uint64_t>(static_cast<double>(n_cells) / kLoad) + 1);
+}
+
+// Finalizer of MurmurHash3: neighbouring cells go far apart.
+std::uint64_t mix(std::uint64_t x) {
+    x ^= x >> 33;
+    x *= 0xff51afd7ed558ccdULL;
+    x ^= x >> 33;
+    return x;
+}
+
+}  // namespace
+
+CellTable::CellTable(ooc::Context& context, std::uint64_t expected_cells, bool has_attributes)
+    : context_(context), has_attributes_(has_attributes) {
+    ensure_room(expected_cells);
+}
+
+bool CellTable::has_room(std::uint64_t n_cells) const {
+    return n_cells <= sums_.size() * kChunk &&
+           static_cast<double>(n_cells) <= kLoad * static_cast<double>(keys_.size());
+}
+
+void CellTable::ensure_room(std::uint64_t n_cells) {
+    if (n_cells >= kNone) {
+        throw InvalidArgument("the grid has more than 4,294,967,294 occupied cells; use a larger cell");
+    }
+    if (static_cast<double>(n_cells) > kLoad * static_cast<double>(keys_.size())) {
+        const std::uint64_t capacity = capacity_for(n_cells);
+        ooc::Array<std::uint64_t> keys(context_.budget(), "cell index", capacity);
+        ooc::Array<std::uint32_t> ids(context_.budget(), "cell index", capacity);
+        for (std::uint64_t i = 0; i < keys_.size(); ++i) {
+            if (keys_[i] == 0) continue;
+            std::uint64_t j = mix(keys_[i]) & (capacity - 1);
+            while (keys[j] != 0) j = (j + 1) & (capacity - 1);
+            keys[j] = keys_[i];
+            ids[j] = ids_[i];
+        }
+        keys_ = std::move(keys);
+        ids_ = std::move(ids);
+    }
+    while (sums_.size() * kChunk < n_cells) {
+        sums_.emplace_back(context_.budget(), "cell sums", kChunk);
+        if (has_attributes_) attributes_.emplace_back(context_.budget(), "cell attributes", kChunk);
+    }
+}
+
+void CellTable::release_index() {
+    keys_.release();
+    ids_.release();
+}
+
+CellTable::Admission::Admission(CellTable& table, std::uint64_t n) : table_(table), n_(n) {
+    for (;;) {
+        {
+            std::shared_lock lock(table.mutex_);
+            const std::uint64_t admitted = table.admitted_.fetch_add(n) + n;
+            if (table.has_room(table.size() + admitted)) {
+                lock_ = std::move(lock);
+                return;
+            }
+            table.admitted_.fetch_sub(n);
+        }
+        const std::unique_lock lock(table.mutex_);
+        // Nobody else is admitted now. Twice the room, so that growing stays rare.
+        if (!table.has_room(table.size() + 2 * n)) {
+            table.ensure_room(table.size() + table.size() / 4 + 4 * n);
+        }
+    }
+}
+
+CellTable::Admission::~Admission() { table_.admitted_.fetch_sub(n_); }
+
+std::uint32_t CellTable::find_or_insert(CellKey key) {
+    const std::uint64_t wanted = key + 1;
+    const std::uint64_t mask = keys_.size() - 1;
+    for (std::uint64_t i = mix(wanted) & mask;; i = (i + 1) & mask) {
+        std::atomic_ref<std::uint64_t> slot_key(keys_[i]);
+        std::atomic_ref<std::uint32_t> slot_id(ids_[i]);
+        std::uint64_t found = slot_key.load(std::memory_order_relaxed);
+        if (found == 0) {
+            if (slot_key.compare_exchange_strong(found, wanted, std::memory_order_relaxed)) {
+                const auto id =
+                    static_cast<std::uint32_t>(size_.fetch_add(1, std::memory_order_relaxed));
+                slot_id.store(id + 1, std::memory_order_release);
+                return id;
+            }
+        }
+        if (found == wanted) {
+            std::uint32_t id = slot_id.load(std::memory_order_acquire);
+            while (id == 0) id = slot_id.load(std::memory_order_acquire);
+            return id - 1;
+        }
+    }
+}
+
+}  // namespace hewer::cluster

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+/// The occupied cells of a grid while their sums are gathered.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <shared_mutex>
+#include <vector>
+
+#include "cluster/cell_sums.h"
+#include "cluster/uniform_grid.h"
+#include "ooc/array.h"
+#include "ooc/context.h"
+
+namespace hewer::cluster {
+
+/// A concurrent hash table from cell keys to slots 0, 1, 2, ..., and the sums of each slot. Which slot a
+/// key gets depends on the threads' timing: nothing may be derived from slot numbers.
+///
+/// Memory: 136 bytes a cell for the sums (88 more with attributes), 17 to 34 for the table, in steps of
+/// kChunk cells; while it grows the old table is held as well.
+class CellTable {
+  public:
+    static constexpr std::uint32_t kNone = 0xffffffffU;
+
+    CellTable(ooc::Context& context, std::uint64_t expected_cells, bool has_attributes);
+
+    /// Room for `n` new cells: call before a batch of find_or_insert() and keep the result until the
+    /// batch is over; the table does not move meanwhile.
+    class Admission {
+      public:
+        Admission(CellTable& table, std::uint64_t n);
+        Admission(const Admission&) = delete;
+        Admission& operator=(const Admission&) = delete;
+        ~Admission();
+
+      private:
+        CellTable& table_;
+        std::uint64_t n_;
+        std::shared_lock<std::shared_mutex> lock_;
+    };
+
+    /// The slot of `key`, a new one if the key is new. Thread-safe under an Admission.
+    std::uint32_t find_or_insert(CellKey key);
+
+    [[nodiscard]] std::uint64_t size() const { return size_.load(std::memory_order_relaxed); }
+    CellSums& sums(std::uint32_t slot) { return sums_[slot >> kChunkBits][slot & kChunkMask]; }
+    AttributeSums& attributes(std::uint32_t slot) {
+        return attributes_[slot >> kChunkBits][slot & kChunkMask];
+    }
+    [[nodiscard]] bool has_attributes() const { return has_attributes_; }
+
+    /// Calls visit(key, slot) for every cell, in no particular order. No Admission may be alive.
+    template <typename Visit>
+    void for_each(const Visit& visit) const {
+        for (std::uint64_t i = 0; i < keys_.size(); ++i) {
+            if (keys_[i] != 0) visit(keys_[i] - 1, ids_[i] - 1);
+        }
+    }
+    /// Frees the hash table; the sums stay.
+    void release_index();
+
+  private:
+    static constexpr unsigned kChunkBits = 14;
+    static constexpr std::uint32_t kChunk = 1U << kChunkBits;
+    static constexpr std::uint32_t kChunkMask = kChunk - 1;
+
+    void ensure_room(std::uint64_t n_cells);
+    [[nodiscard]] bool has_room(std::uint64_t n_cells) const;
+
+    ooc::Context& context_;
+    bool has_attributes_;
+    std::shared_mutex mutex_;
+    std::atomic<std::uint64_t> size_{0};
+    std::atomic<std::uint64_t> admitted_{0};
+    // Open addressing, linear probing. 0: empty; else key + 1, and id + 1 once it is known.
+    ooc::Array<std::uint64_t> keys_;
+    ooc::Array<std::uint32_t> ids_;
+    std::vector<ooc::Array<CellSums>> sums_;
+    std::vector<ooc::Array<AttributeSums>> attributes_;
+};
+
+}  // namespace hewer::cluster

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+#include "cluster/vertex_store.h"
+
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <vector>
+
+#include "hewer/error.h"
+#include "ooc/parallel.h"
+
+namespace hewer::cluster {
+
+namespace {
+
+bool is_finite(const Vec3& p) {
+    return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+}
+
+bool is_inside(const Bounds& b, const Vec3& p) {
+    return p[0] >= b.min[0] && p[1] >= b.min[1] && p[2] >= b.min[2] && p[0] <= b.max[0] &&
+           p[1] <= b.max[1] && p[2] <= b.max[2];
+}
+
+// Scale of the vertex normal sums: 2^-20, so that 2^43 unit normals fit.
+constexpr double kNormalScale = 1 << 20;
+
+}  // namespace
+
+void throw_outside_bounds(const MeshSource& source, const std::string& what) {
+    throw FormatError(source.info().name + ": " + what +
+                      " lies outside of the given --bounds; leave the option out to have the box found");
+}
+
+Bounds scan_bounds(ooc::Context& context, MeshSource& source, InputDefects& defects) {
+    Bounds bounds;
+    std::mutex mutex;
+    // Defects of the batches by their place, so that "first" is the file's first.
+    std::map<std::uint64_t, InputDefects> by_place;
+    const auto merge = [&](const Bounds& local, std::uint64_t first, const InputDefects& found) {
+        const std::lock_guard lock(mutex);
+        bounds.extend(local);
+        if (found.nonfinite_vertices + found.nonfinite_triangles > 0) by_place[first] = found;
+    };
+    if (source.info().is_indexed) {
+        source.begin_vertices();
+        context.workers().on_each([&](unsigned) {
+            VertexBatch batch;
+            while (source.next_vertices(batch)) {
+                Bounds local;
+                for (const Vec3& p : batch.positions) {
+                    if (is_finite(p)) local.extend(p);
+                }
+                merge(local, batch.first, batch.defects);
+                context.advance(batch.positions.size());
+            }
+        });
+    } else {
+        source.begin_triangles();
+        context.workers().on_each([&](unsigned) {
+            TriangleBatch batch;
+            while (source.next_triangles(batch)) {
+                Bounds local;
+                for (const auto& triangle : batch.points) {
+                    for (const Vec3& p : triangle) local.extend(p);
+                }
+                merge(local, batch.first_face, batch.defects);
+                context.advance(batch.n_faces);
+            }
+        });
+    }
+    for (const auto& [first, found] : by_place) defects.merge(found);
+    if (bounds.is_empty()) {
+        throw FormatError(source.info().name + ": no vertex has finite coordinates");
+    }
+    return bounds;
+}
+
+VertexStore load_vertices(ooc::Context& context, MeshSource& source, const Bounds& bounds,
+                          const Lattice& lattice) {
+    const std::uint64_t n = source.info().n_vertices;
+    VertexStore store;
+    store.points = {context.budget(), "vertices", n};
+    store.cells = {context.budget(), "vertices", n};
+    source.begin_vertices();
+    context.workers().on_each([&](unsigned) {
+        VertexBatch batch;
+        while (source.next_vertices(batch)) {
+            for (std::uint64_t i = 0; i < batch.positions.size(); ++i) {
+                const Vec3& p = batch.positions[i];
+                const std::uint64_t v = batch.first + i;
+                if (is_inside(bounds, p)) {
+                    store.points[v] = lattice.encode(p);
+                } else if (is_finite(p)) {
+                    throw_outside_bounds(source, "vertex " + std::to_string(v));
+                } else {
+                    store.cells[v] = CellTable::kNone;
+                }
+            }
+            context.advance(batch.positions.size());
+        }
+    });
+    return store;
+}
+
+void assign_cells(ooc::Context& context, VertexStore& vertices, const UniformGrid& grid,
+                  CellTable& table) {
+    constexpr std::uint64_t kGrain = 8192;
+    context.workers().for_ranges(
+        vertices.points.size(), kGrain, [&](std::uint64_t begin, std::uint64_t end) {
+            const CellTable::Admission admission(table, end - begin);
+            CellKey last_key = ~0ULL;  // no key: keys have 63 bits
+            std::uint32_t last_slot = 0;
+            for (std::uint64_t v = begin; v < end; ++v) {
+                if (!vertices.is_finite(v)) continue;
+                const CellKey key = grid.key(vertices.points[v]);
+                if (key != last_key) {
+                    last_key = key;
+                    last_slot = table.find_or_insert(key);
+                }
+                vertices.cells[v] = last_slot;
+            }
+            context.advance(end - begin);
+        });
+}
+
+void add_vertex_attributes(ooc::Context& context, MeshSource& source, const VertexStore& vertices,
+                           CellTable& table) {
+    const bool is_shared = context.n_threads() > 1;
+    source.begin_vertices();
+    context.workers().on_each([&](unsigned) {
+        VertexBatch batch;
+        while (source.next_vertices(batch)) {
+            for (std::uint64_t i = 0; i < batch.positions.size(); ++i) {
+                const std::uint64_t v = batch.first + i;
+                if (!vertices.is_finite(v)) continue;
+                const std::uint32_t slot = vertices.cells[v];
+                AttributeSums& sums = table.attributes(slot);
+                std::uint32_t unshared = 0;
+                const FieldLock lock(is_shared ? table.sums(slot).lock : unshared);
+                if (!batch.colors.empty()) {
+                    for (std::size_t k = 0; k < 4; ++k) sums.color[k] += batch.colors[i][k];
+                    ++sums.n_colors;
+                }
+                if (!batch.normals.empty()) {
+                    const auto& n = batch.normals[i];
+                    const double length = std::sqrt(static_cast<double>(n[0]) * n[0] +
+                                                    static_cast<double>(n[1]) * n[1] +
+                                                    static_cast<double>(n[2]) * n[2]);
+                    if (!(length > 0) || !std::isfinite(length)) continue;
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        sums.normal[k] += round_to_int(n[k] / length * kNormalScale);
+                    }
+                }
+            }
+            context.advance(batch.positions.size());
+        }
+    });
+}
+
+}  // namespace hewer::cluster

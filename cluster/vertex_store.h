@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+/// The vertices of an indexed input in memory: lattice positions and the cell that each is in.
+#pragma once
+
+#include <cstdint>
+
+#include "cluster/cell_table.h"
+#include "cluster/lattice.h"
+#include "cluster/uniform_grid.h"
+#include "hewer/mesh_source.h"
+#include "ooc/array.h"
+#include "ooc/context.h"
+
+namespace hewer::cluster {
+
+/// The box of all finite vertices (corners, for a soup): one pass over the vertices (triangles).
+/// Defects met on the way are merged into `defects`. Throws FormatError if there is no finite vertex.
+Bounds scan_bounds(ooc::Context& context, MeshSource& source, InputDefects& defects);
+
+/// Memory: 16 bytes a vertex.
+struct VertexStore {
+    ooc::Array<LatticePoint> points;
+    /// Slot in the CellTable; CellTable::kNone for a vertex with a non-finite coordinate.
+    ooc::Array<std::uint32_t> cells;
+
+    [[nodiscard]] bool is_finite(std::uint64_t vertex) const {
+        return cells[vertex] != CellTable::kNone;
+    }
+};
+
+/// One pass over the vertices. Throws FormatError if one lies outside `bounds` (they were given by the
+/// user, then).
+VertexStore load_vertices(ooc::Context& context, MeshSource& source, const Bounds& bounds,
+                          const Lattice& lattice);
+
+/// Finds or makes the cell of every vertex; sets VertexStore::cells.
+void assign_cells(ooc::Context& context, VertexStore& vertices, const UniformGrid& grid,
+                  CellTable& table);
+
+/// Adds normals and colours of the vertices to their cells: one more pass over the vertices.
+void add_vertex_attributes(ooc::Context& context, MeshSource& source, const VertexStore& vertices,
+                           CellTable& table);
+
+/// Throws FormatError naming the source and the box.
+[[noreturn]] void throw_outside_bounds(const MeshSource& source, const std::string& what);
+
+}  // namespace hewer::cluster
