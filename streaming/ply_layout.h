@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+/// What hewer carries of a PLY file: which properties are positions, normals, colours, corners.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+
+#include "hewer/mesh_source.h"
+#include "streaming/ply_header.h"
+
+namespace hewer::streaming {
+
+/// A scalar property by its place among the scalars of its element: the sum of the sizes of the
+/// scalars before it. In rows without lists that is its place in the row.
+struct PlyField {
+    ScalarType type = ScalarType::Float32;
+    std::size_t offset = 0;
+};
+
+struct PlyVertexFields {
+    std::array<PlyField, 3> position;
+    std::optional<std::array<PlyField, 3>> normal;
+    std::optional<std::array<PlyField, 3>> color;
+    std::optional<PlyField> alpha;  ///< only with `color`
+};
+
+struct PlyLayout {
+    std::size_t vertex_element = 0;  ///< index in PlyHeader::elements
+    PlyVertexFields vertex;
+    std::size_t face_element = 0;
+    std::size_t corner_property = 0;  ///< the list of vertex ids, in the face element
+    bool is_strips = false;           ///< the lists are triangle strips, -1 begins a new one
+};
+
+/// Finds these roles by name, whatever the order, and fills `info` (name, format, counts, what is
+/// there, what is ignored). Names: x y z; nx ny nz; red green blue [alpha], also diffuse_red ... or
+/// r g b [a]; vertex_indices or vertex_index in `face`, or in `tristrips` if there are no faces.
+/// Throws FormatError saying what is missing; point clouds and Gaussian splats are called by name.
+PlyLayout plan_ply(const PlyHeader& header, const std::filesystem::path& path, SourceInfo& info);
+
+}  // namespace hewer::streaming

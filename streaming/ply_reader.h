@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+/// The two PLY readers, behind one door each.
+#pragma once
+
+#include <memory>
+
+#include "hewer/mesh_source.h"
+#include "ooc/file.h"
+#include "streaming/ply_header.h"
+
+namespace hewer::streaming {
+
+/// The header's encoding decides which one fits. Throws FormatError as open_mesh() does.
+std::unique_ptr<MeshSource> open_binary_ply(std::unique_ptr<ooc::InputFile> file, PlyHeader header,
+                                            bool is_strict);
+std::unique_ptr<MeshSource> open_ascii_ply(std::unique_ptr<ooc::InputFile> file, PlyHeader header,
+                                           bool is_strict);
+
+}  // namespace hewer::streaming
