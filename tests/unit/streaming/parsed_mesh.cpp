@@ -3,6 +3,7 @@
 
 #include <tiny_gltf.h>
 
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <sstream>
@@ -14,6 +15,14 @@ namespace {
 
 void require(bool holds, const std::string& what) {
     if (!holds) throw std::runtime_error(what);
+}
+
+/// Unlike std::stod, takes numbers below the normal range of a double.
+double number(const std::string& text) {
+    char* end = nullptr;
+    const double x = std::strtod(text.c_str(), &end);
+    require(!text.empty() && *end == '\0', "not a number: " + text);
+    return x;
 }
 
 /// Takes numbers from a string of bytes, front to back.
@@ -119,13 +128,13 @@ ParsedMesh parse_obj(const std::filesystem::path& path) {
         for (std::string w; words >> w;) rest.push_back(w);
         if (word == "v") {
             require(rest.size() == 3 || rest.size() == 6, "odd vertex: " + line);
-            mesh.positions.push_back({std::stod(rest[0]), std::stod(rest[1]), std::stod(rest[2])});
+            mesh.positions.push_back({number(rest[0]), number(rest[1]), number(rest[2])});
             if (rest.size() == 6) {
-                mesh.colors.push_back({std::stod(rest[3]), std::stod(rest[4]), std::stod(rest[5]), -1});
+                mesh.colors.push_back({number(rest[3]), number(rest[4]), number(rest[5]), -1});
             }
         } else if (word == "vn") {
             require(rest.size() == 3, "odd normal: " + line);
-            mesh.normals.push_back({std::stod(rest[0]), std::stod(rest[1]), std::stod(rest[2])});
+            mesh.normals.push_back({number(rest[0]), number(rest[1]), number(rest[2])});
         } else if (word == "f") {
             require(rest.size() == 3, "odd face: " + line);
             std::array<std::uint64_t, 3> t{};
@@ -176,7 +185,8 @@ ParsedMesh parse_glb(const std::filesystem::path& path) {
     ParsedMesh mesh;
     const tinygltf::Primitive& primitive = model.meshes[0].primitives[0];
     const auto at = [&](const tinygltf::Accessor& a, std::size_t i) {
-        const tinygltf::BufferView& view = model.bufferViews.at(static_cast<std::size_t>(a.bufferView));
+        const tinygltf::BufferView& view =
+            model.bufferViews.at(static_cast<std::size_t>(a.bufferView));
         const std::size_t stride = static_cast<std::size_t>(a.ByteStride(view));
         const std::size_t offset = view.byteOffset + a.byteOffset + i * stride;
         require(offset + 1 <= model.buffers[0].data.size(), "accessor leaves the buffer");
@@ -192,8 +202,8 @@ ParsedMesh parse_glb(const std::filesystem::path& path) {
         for (std::size_t i = 0; i < a.count; ++i) {
             std::array<float, 3> v{};
             std::memcpy(v.data(), at(a, i), sizeof v);
-            result.push_back({static_cast<double>(v[0]), static_cast<double>(v[1]),
-                              static_cast<double>(v[2])});
+            result.push_back(
+                {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])});
         }
         return result;
     };
