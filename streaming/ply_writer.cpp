@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+#include "streaming/ply_writer.h"
+
+#include <string>
+
+#include "hewer/error.h"
+#include "hewer/version.h"
+#include "ooc/units.h"
+#include "streaming/file_sink.h"
+#include "streaming/position_precision.h"
+#include "streaming/put_bytes.h"
+
+namespace hewer::streaming {
+
+namespace {
+
+constexpr std::uint64_t kMostVertices = 1ULL << 32;
+constexpr std::uint64_t kMostSignedVertices = 1ULL << 31;
+constexpr std::size_t kLargestVertexBytes = 3 * 8 + 3 * 4 + 4;
+constexpr std::size_t kFaceBytes = 1 + 3 * 4;
+
+// 65535 / 255 = 257: the inverse of the widening in types.h, so that 8-bit colours come back as
+// they were.
+std::uint8_t to_8_bits(std::uint16_t v) {
+    return static_cast<std::uint8_t>((v + 128U) / 257U);
+}
+
+class PlyWriter final : public FileSink {
+  public:
+    PlyWriter(const std::filesystem::path& path, bool overwrite) : FileSink(path, overwrite) {}
+
+  private:
+    void write_header() override {
+        const SinkHeader& h = header();
+        if (h.n_vertices > kMostVertices) {
+            throw InvalidArgument(path().string() + ": " + ooc::format_count(h.n_vertices) +
+                                  " vertices; PLY has 32-bit indices and ends at " +
+                                  ooc::format_count(kMostVertices) + "; write .obj instead");
+        }
+        is_double_ = needs_double(h);
+        const std::string number = is_double_ ? "double" : "float";
+        std::string text = "ply\nformat binary_little_endian 1.0\n";
+        text += "comment written by hewer " + std::string(version()) + "\n";
+        text += "element vertex " + std::to_string(h.n_vertices) + "\n";
+        for (const char* name : {"x", "y", "z"}) text += "property " + number + " " + name + "\n";
+        if (h.has_normals) text += "property float nx\nproperty float ny\nproperty float nz\n";
+        if (h.has_colors) {
+            text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+            if (h.has_alpha) text += "property uchar alpha\n";
+        }
+        text += "element face " + std::to_string(h.n_triangles) + "\n";
+        text += h.n_vertices > kMostSignedVertices ? "property list uchar uint vertex_indices\n"
+                                                   : "property list uchar int vertex_indices\n";
+        text += "end_header\n";
+        file().write(text);
+    }
+
+    void write_vertices(const VertexSpan& v) override {
+        const SinkHeader& h = header();
+        const std::size_t n_channels = !h.has_colors ? 0 : h.has_alpha ? 4 : 3;
+        write_records(v.positions.size(), kLargestVertexBytes, [&](std::size_t i, char* out) {
+            for (const double x : v.positions[i]) {
+                out = is_double_ ? put_bytes(out, x) : put_bytes(out, static_cast<float>(x));
+            }
+            if (h.has_normals) {
+                for (const float x : v.normals[i]) out = put_bytes(out, x);
+            }
+            for (std::size_t c = 0; c < n_channels; ++c) {
+                out = put_bytes(out, to_8_bits(v.colors[i][c]));
+            }
+            return out;
+        });
+    }
+
+    void write_triangles(std::span<const Triangle> triangles) override {
+        write_records(triangles.size(), kFaceBytes, [&](std::size_t i, char* out) {
+            out = put_bytes(out, std::uint8_t{3});
+            // The same bytes whether the header calls them int or uint.
+            for (const std::uint64_t id : triangles[i]) {
+                out = put_bytes(out, static_cast<std::uint32_t>(id));
+            }
+            return out;
+        });
+    }
+
+    bool is_double_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<MeshSink> create_ply(const std::filesystem::path& path, bool overwrite) {
+    return std::make_unique<PlyWriter>(path, overwrite);
+}
+
+}  // namespace hewer::streaming

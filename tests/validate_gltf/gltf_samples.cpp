@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+/// Writes one GLB file for each thing that a GLB file of ours can hold: gltf_samples FOLDER.
+#include <exception>
+#include <filesystem>
+#include <iostream>
+#include <string>
+
+#include "hewer/mesh_sink.h"
+#include "tests/unit/streaming/sample_mesh.h"
+
+namespace {
+
+using hewer::Mesh;
+using hewer::tests::wavy_sheet;
+
+void write(const std::filesystem::path& folder, const std::string& name, const Mesh& mesh) {
+    const std::filesystem::path path = folder / (name + ".glb");
+    hewer::tests::pour(mesh, *hewer::create_mesh_file(path, true));
+    std::cout << path.string() << '\n';
+}
+
+void write_all(const std::filesystem::path& folder) {
+    const Mesh both = wavy_sheet(60, 1, {0, 0, 0});
+    Mesh normals = both;
+    normals.colors.clear();
+    Mesh colors = both;
+    colors.normals.clear();
+    Mesh plain = colors;
+    plain.colors.clear();
+    write(folder, "plain", plain);
+    write(folder, "normals", normals);
+    write(folder, "colors", colors);
+    write(folder, "normals_colors", both);
+    write(folder, "transparent", wavy_sheet(60, 1, {0, 0, 0}, 0x8000));
+    write(folder, "map_coordinates", wavy_sheet(60, 1000, {5'000'123.25, 448'017.5, 312.125}));
+    write(folder, "long_indices", wavy_sheet(300, 1, {-0.5, -0.5, 0}));
+    Mesh odd = plain;  // 3 short indices a triangle: the chunk needs padding
+    odd.triangles.resize(odd.triangles.size() - 1);
+    write(folder, "odd_triangles", odd);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (argc != 2) {
+        std::cerr << "usage: gltf_samples FOLDER\n";
+        return 2;
+    }
+    try {
+        write_all(argv[1]);
+    } catch (const std::exception& e) {
+        std::cerr << e.what() << '\n';
+        return 1;
+    }
+    return 0;
+}
