@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: MIT
+#include "rsimp/clustering.h"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include "cluster/accumulate.h"
+#include "cluster/cell_sample.h"
+#include "cluster/vertex_store.h"
+#include "hewer/error.h"
+#include "ooc/parallel.h"
+#include "rsimp/grid_choice.h"
+
+namespace hewer::rsimp {
+
+using cluster::AccumulateResult;
+using cluster::CellSample;
+using cluster::CellStore;
+using cluster::CellTable;
+using cluster::Lattice;
+using cluster::LatticePoint;
+using cluster::UniformGrid;
+using cluster::VertexStore;
+
+namespace {
+
+// The uniform method aims here, as a share of the target, and is content between the two others.
+constexpr double kUniformAim = 0.93;
+constexpr double kUniformLeast = 0.83;
+constexpr double kUniformMost = 0.995;
+constexpr int kUniformTries = 4;
+
+CellSample sample_vertices(ooc::Context& context, const VertexStore& vertices) {
+    CellSample sample(vertices.points.size());
+    std::mutex mutex;
+    context.workers().for_ranges(
+        vertices.points.size(), 1 << 16, [&](std::uint64_t begin, std::uint64_t end) {
+            std::vector<LatticePoint> chosen;
+            for (std::uint64_t v = begin; v < end; ++v) {
+                if (vertices.is_finite(v) && sample.is_chosen(vertices.points[v])) {
+                    chosen.push_back(vertices.points[v]);
+                }
+            }
+            const std::lock_guard lock(mutex);
+            sample.add(chosen);
+        });
+    return sample;
+}
+
+CellSample sample_soup(ooc::Context& context, MeshSource& source, const Lattice& lattice,
+                       const Bounds& bounds) {
+    CellSample sample(3 * source.info().n_faces);
+    std::mutex mutex;
+    source.begin_triangles();
+    context.workers().on_each([&](unsigned) {
+        TriangleBatch batch;
+        std::vector<LatticePoint> chosen;
+        while (source.next_triangles(batch)) {
+            chosen.clear();
+            for (const auto& triangle : batch.points) {
+                for (Vec3 p : triangle) {
+                    for (std::size_t i = 0; i < 3; ++i) {
+                        p[i] = std::clamp(p[i], bounds.min[i], bounds.max[i]);
+                    }
+                    const LatticePoint q = lattice.encode(p);
+                    if (sample.is_chosen(q)) chosen.push_back(q);
+                }
+            }
+            context.advance(batch.n_faces);
+            const std::lock_guard lock(mutex);
+            sample.add(chosen);
+        }
+    });
+    return sample;
+}
+
+void check_strict(const MeshSource& source, const SimplifyOptions& options,
+                  const InputDefects& defects) {
+    if (!options.strict) return;
+    if (defects.degenerate_triangles > 0) {
+        throw FormatError(source.info().name + ": " + std::to_string(defects.degenerate_triangles) +
+                          " triangles have no area; leave --strict out to have them counted instead");
+    }
+}
+
+void warn_of(ooc::Context& context, const MeshSource& source, const InputDefects& d) {
+    const std::string& name = source.info().name;
+    if (d.nonfinite_vertices + d.nonfinite_triangles > 0) {
+        context.warn(name + ": " + std::to_string(d.nonfinite_vertices) + " vertices and " +
+                     std::to_string(d.nonfinite_triangles) +
+                     " triangles with NaN or infinite coordinates were left out" +
+                     (d.first_nonfinite.empty() ? "" : ", first " + d.first_nonfinite));
+    }
+    if (d.out_of_range_triangles > 0) {
+        context.warn(name + ": " + std::to_string(d.out_of_range_triangles) +
+                     " triangles with a vertex index out of range were left out, first " +
+                     d.first_out_of_range);
+    }
+}
+
+/// One try at clustering: the cells of the vertices, then the triangles.
+class Pass {
+  public:
+    Pass(ooc::Context& context, MeshSource& source, const SimplifyOptions& options,
+         const Lattice& lattice, const Bounds& bounds, VertexStore& vertices, SimplifyReport& report)
+        : context_(context),
+          source_(source),
+          options_(options),
+          lattice_(lattice),
+          bounds_(bounds),
+          vertices_(vertices),
+          report_(report) {}
+
+    CellStore run(const UniformGrid& grid, double expected_cells, AccumulateResult& result) {
+        const SourceInfo& info = source_.info();
+        const bool with_face_normals = options_.priority == SplitPriority::NormalVariation;
+        const bool with_attributes = info.has_normals || info.has_colors;
+        CellTable table(context_, static_cast<std::uint64_t>(expected_cells * 1.05) + 1024,
+                        with_face_normals || with_attributes);
+        if (info.is_indexed) {
+            cluster::assign_cells(context_, vertices_, grid, table);
+            if (with_attributes) {
+                cluster::add_vertex_attributes(context_, source_, vertices_, table);
+                ++report_.input.vertex_passes;
+            }
+        }
+        const cluster::AccumulateInput input{source_, lattice_, grid, vertices_, bounds_};
+        result = cluster::accumulate(context_, input, table, with_face_normals);
+        ++report_.input.triangle_passes;
+        if (!keeps_vertices) {
+            vertices_.points.release();
+            vertices_.cells.release();
+        }
+        return cluster::build_cell_store(context_, lattice_, grid, table, result.triples,
+                                         options_.border_weight);
+    }
+
+    /// Cells that the vertices occupy in `grid`, counted exactly.
+    std::uint64_t count_cells(const UniformGrid& grid, double expected) {
+        CellTable table(context_, static_cast<std::uint64_t>(expected * 1.05) + 1024, false);
+        cluster::assign_cells(context_, vertices_, grid, table);
+        return table.size();
+    }
+
+    bool keeps_vertices = false;
+
+  private:
+    ooc::Context& context_;
+    MeshSource& source_;
+    const SimplifyOptions& options_;
+    const Lattice& lattice_;
+    const Bounds& bounds_;
+    VertexStore& vertices_;
+    SimplifyReport& report_;
+};
+
+std::uint64_t most_triangles(const Target& target, std::uint64_t n_triangles) {
+    switch (target.kind) {
+        case Target::Kind::Triangles:
+            return static_cast<std::uint64_t>(target.value);
+        case Target::Kind::Vertices:
+            return static_cast<std::uint64_t>(2 * target.value);
+        default:
+            return static_cast<std::uint64_t>(target.value * static_cast<double>(n_triangles));
+    }
+}
+
+/// The uniform method: grids are tried until the number of surviving triangles fits the target.
+CellStore cluster_uniformly(Pass& pass, const SimplifyOptions& options, const CellSample& sample,
+                            const SourceInfo& info, AccumulateResult& result) {
+    const Target& target = options.targets.front();
+    const auto most = static_cast<double>(most_triangles(target, info.n_faces));
+    double cells = kUniformAim * most / 2;
+    double resolution = sample.resolution_for(cells);
+    pass.keeps_vertices = true;
+    for (int i = 1;; ++i) {
+        const UniformGrid grid(resolution);
+        CellStore store = pass.run(grid, cells, result);
+        const auto n = static_cast<double>(store.triangles.size());
+        const bool is_finest = resolution >= sample.separating_resolution();
+        const bool is_good = n <= kUniformMost * most && (n >= kUniformLeast * most || is_finest);
+        if (is_good || i == kUniformTries) return store;
+        resolution *= std::sqrt(kUniformAim * most / std::max(n, 1.0));
+        cells *= kUniformAim * most / std::max(n, 1.0);
+    }
+}
+
+}  // namespace
+
+CellStore cluster_input(ooc::Context& context, MeshSource& source, const SimplifyOptions& options,
+                        StageLog& stages, SimplifyReport& report) {
+    const SourceInfo& info = source.info();
+    InputReport& input = report.input;
+    input.path = info.name;
+    input.format = info.format;
+    input.bytes = info.n_bytes;
+    input.vertices = info.n_vertices;
+    input.faces = info.n_faces;
+    input.has_normals = info.has_normals;
+    input.has_colors = info.has_colors;
+    input.ignored = info.ignored;
+
+    if (options.bounds) {
+        input.bounds = *options.bounds;
+    } else {
+        stages.begin("bounds", info.is_indexed ? info.n_vertices : info.n_faces,
+                     info.is_indexed ? "vertices" : "triangles");
+        InputDefects found;
+        input.bounds = cluster::scan_bounds(context, source, found);
+        input.defects.nonfinite_vertices = found.nonfinite_vertices;
+        input.defects.first_nonfinite = found.first_nonfinite;
+        ++(info.is_indexed ? input.vertex_passes : input.triangle_passes);
+    }
+    const Lattice lattice(input.bounds);
+
+    VertexStore vertices;
+    CellSample sample(0);
+    if (info.is_indexed) {
+        stages.begin("vertices", info.n_vertices, "vertices");
+        vertices = cluster::load_vertices(context, source, input.bounds, lattice);
+        ++input.vertex_passes;
+        sample = sample_vertices(context, vertices);
+    } else {
+        stages.begin("sample", info.n_faces, "triangles");
+        sample = sample_soup(context, source, lattice, input.bounds);
+        ++input.triangle_passes;
+    }
+
+    stages.begin("cluster", info.n_vertices + info.n_faces, "elements");
+    Pass pass(context, source, options, lattice, input.bounds, vertices, report);
+    AccumulateResult result;
+    CellStore store;
+    if (options.method == Method::Uniform && !options.cell_size) {
+        store = cluster_uniformly(pass, options, sample, info, result);
+    } else {
+        const UniformGrid grid(choose_resolution(options, input.bounds, sample, info.n_faces));
+        store = pass.run(grid, sample.count_cells(grid), result);
+    }
+    stages.end();
+
+    input.triangles = result.n_triangles;
+    input.area = result.area;
+    const std::uint64_t nonfinite_vertices = input.defects.nonfinite_vertices;
+    const std::string first_nonfinite = input.defects.first_nonfinite;
+    input.defects = result.defects;
+    input.defects.nonfinite_vertices = nonfinite_vertices;
+    if (!first_nonfinite.empty()) input.defects.first_nonfinite = first_nonfinite;
+    warn_of(context, source, input.defects);
+    check_strict(source, options, input.defects);
+    if (result.n_triangles == 0) {
+        throw FormatError(info.name + ": has " + std::to_string(info.n_faces) +
+                          " faces, but not one usable triangle");
+    }
+
+    GridReport& g = report.grid;
+    g.cell_size = store.grid.cell_size(lattice);
+    const Vec3 size = input.bounds.size();
+    for (std::size_t i = 0; i < 3; ++i) {
+        g.dimensions[i] = static_cast<std::uint64_t>(size[i] / g.cell_size) + 1;
+    }
+    g.occupied_cells = store.codes.size();
+    g.border_cells = store.n_border_cells;
+    g.surviving_triangles = store.triangles.size();
+    g.is_consistently_wound = store.is_consistently_wound;
+    return store;
+}
+
+}  // namespace hewer::rsimp

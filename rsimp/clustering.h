@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+/// The first half of the pipeline: passes over the input, up to the cell store.
+#pragma once
+
+#include "cluster/cell_store.h"
+#include "hewer/mesh_source.h"
+#include "hewer/options.h"
+#include "hewer/report.h"
+#include "ooc/context.h"
+#include "rsimp/stage_log.h"
+
+namespace hewer::rsimp {
+
+/// Passes: bounds (unless given), vertices, triangles; a soup has its corners sampled in a pass of its
+/// own, vertex attributes are added in one more pass over the vertices, and the uniform method repeats
+/// the pass over the triangles when its grid turns out to miss the target by more than a fifth.
+/// Fills report.input and report.grid.
+/// Throws FormatError if no usable triangle is found.
+cluster::CellStore cluster_input(ooc::Context& context, MeshSource& source,
+                                 const SimplifyOptions& options, StageLog& stages,
+                                 SimplifyReport& report);
+
+}  // namespace hewer::rsimp

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+#include "rsimp/grid_choice.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cluster/uniform_grid.h"
+#include "hewer/error.h"
+
+namespace hewer::rsimp {
+
+namespace {
+
+double longest_side(const Bounds& bounds) {
+    const Vec3 size = bounds.size();
+    return std::max({size[0], size[1], size[2]});
+}
+
+double resolution_of_cell(double cell, const Bounds& bounds, const char* what) {
+    const double resolution = longest_side(bounds) / cell;
+    if (resolution > cluster::UniformGrid::kMaxResolution) {
+        throw InvalidArgument(std::string(what) + " is too small for the model: more than 2^20 cells " +
+                              "on its longest side would be needed");
+    }
+    return std::max(1.0, resolution);
+}
+
+bool is_error(Target::Kind kind) {
+    return kind == Target::Kind::Error || kind == Target::Kind::RelativeError;
+}
+
+}  // namespace
+
+double target_vertices(const Target& target, std::uint64_t n_input_faces) {
+    switch (target.kind) {
+        case Target::Kind::Triangles:
+            return target.value / 2;
+        case Target::Kind::Vertices:
+            return target.value;
+        case Target::Kind::Ratio:
+            return target.value * static_cast<double>(n_input_faces) / 2;
+        case Target::Kind::Error:
+        case Target::Kind::RelativeError:
+            break;
+    }
+    return 0;
+}
+
+double target_error(const Target& target, const Bounds& bounds) {
+    if (target.kind == Target::Kind::Error) return target.value;
+    if (target.kind == Target::Kind::RelativeError) return target.value * bounds.diagonal();
+    return 0;
+}
+
+double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
+                         const cluster::CellSample& sample, std::uint64_t n_input_faces) {
+    if (!(longest_side(bounds) > 0)) return 1;  // all vertices in one place
+    if (options.cell_size) return resolution_of_cell(*options.cell_size, bounds, "--cell");
+    if (options.method == Method::Full) return sample.separating_resolution();
+    const Target& finest = options.targets.front();
+    const double error = target_error(finest, bounds);
+    if (error > 0) return resolution_of_cell(error / kCellsPerError, bounds, "--error");
+    const double wanted =
+        std::max(kFewestCells, kCellsPerVertex * target_vertices(finest, n_input_faces));
+    return sample.resolution_for(wanted);
+}
+
+void check_options(const SimplifyOptions& options) {
+    const bool is_free_uniform = options.method == Method::Uniform && options.cell_size;
+    if (options.targets.empty() && !is_free_uniform) {
+        throw InvalidArgument("no target: give a number of triangles or vertices, a ratio or an error");
+    }
+    if (!options.targets.empty() && is_free_uniform) {
+        throw InvalidArgument("with the uniform method a cell size and a target contradict each other");
+    }
+    if (options.method == Method::Full && options.cell_size) {
+        throw InvalidArgument("the full method uses every vertex; a cell size contradicts it");
+    }
+    if (options.cell_size && !(*options.cell_size > 0 && std::isfinite(*options.cell_size))) {
+        throw InvalidArgument("the cell size must be positive");
+    }
+    if (!(options.border_weight >= 0 && std::isfinite(options.border_weight))) {
+        throw InvalidArgument("the border weight must not be negative");
+    }
+    if (options.bounds && options.bounds->is_empty()) {
+        throw InvalidArgument("the bounds are empty: each minimum must be at most its maximum");
+    }
+    for (std::size_t i = 0; i < options.targets.size(); ++i) {
+        const Target& t = options.targets[i];
+        if (!(t.value > 0 && std::isfinite(t.value))) {
+            throw InvalidArgument("every target must be positive");
+        }
+        if (t.kind == Target::Kind::Ratio && t.value > 1) {
+            throw InvalidArgument("a ratio is at most 1 (100 %)");
+        }
+        if (is_error(t.kind) && options.method == Method::Uniform) {
+            throw InvalidArgument(
+                "the uniform method cannot meet an error bound; use --cell, or another method");
+        }
+        if (i == 0) continue;
+        const Target& finer = options.targets[i - 1];
+        if (t.kind != finer.kind) throw InvalidArgument("all LODs need targets of one kind");
+        if (is_error(t.kind) ? !(t.value > finer.value) : !(t.value < finer.value)) {
+            throw InvalidArgument("LODs must go from fine to coarse");
+        }
+        if (options.method == Method::Uniform) {
+            throw InvalidArgument(
+                "the uniform method makes one LOD at a time; use another method for several");
+        }
+    }
+}
+
+}  // namespace hewer::rsimp

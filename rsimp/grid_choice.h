@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+/// From what is asked for to the grid that serves it. Nothing in here knows of memory or threads.
+#pragma once
+
+#include <cstdint>
+
+#include "cluster/cell_sample.h"
+#include "cluster/lattice.h"
+#include "hewer/options.h"
+
+namespace hewer::rsimp {
+
+/// Cells per vertex of the finest LOD. More cells see more of the surface and cost time; docs/quality.md
+/// has the measurements.
+inline constexpr double kCellsPerVertex = 8;
+/// Even the smallest target gets this many cells: less would save no time worth having.
+inline constexpr double kFewestCells = 250'000;
+/// Clusters per vertex of the finest LOD at which refinement hands over to the edge collapse.
+inline constexpr double kClustersPerVertex = 3;
+/// With an error bound E the cells are at most E / kCellsPerError long.
+inline constexpr double kCellsPerError = 8;
+
+/// Vertices that a target comes to, from the number of faces in the input. For Error targets: 0.
+double target_vertices(const Target& target, std::uint64_t n_input_faces);
+
+/// Error bound of a target in model units; 0 for budgets.
+double target_error(const Target& target, const Bounds& bounds);
+
+/// Cells along the longest side of the box, for the methods Refine and Full and for a given cell size.
+/// Throws InvalidArgument if the cell size or the error bound is too small for 2^20 cells.
+double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
+                         const cluster::CellSample& sample, std::uint64_t n_input_faces);
+
+/// Refuses what contradicts itself or leaves its range: InvalidArgument.
+void check_options(const SimplifyOptions& options);
+
+}  // namespace hewer::rsimp
