@@ -38,7 +38,7 @@ struct GlbLayout {
 /// glTF 2.0 JSON, valid by the Khronos validator without a warning. At most kGlbDocumentBytes.
 std::string glb_document(const GlbLayout& layout);
 
-/// Its longest form has 1,300 characters: 64-bit numbers of 20 digits, doubles of 24.
+/// The longest document, with numbers of as many digits as they can have, has about 1,200.
 constexpr std::uint64_t kGlbDocumentBytes = 2048;
 
 }  // namespace hewer::streaming

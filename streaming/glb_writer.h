@@ -15,8 +15,8 @@ namespace hewer::streaming {
 /// POSITION  float. Where float_is_too_coarse() they are relative to local_origin(), which becomes
 ///           the node's translation; a viewer that adds the two in double loses nothing.
 /// NORMAL    float, made unit length as glTF demands; one that has no direction becomes +z.
-/// COLOR_0   four normalised ushorts. glTF wants linear light where scans hold sRGB; in eight bits
-///           of linear light the dark half of sRGB would fall together, sixteen keep all 256 steps.
+/// COLOR_0   four normalised ushorts. glTF wants linear light where scans hold sRGB; eight bits of
+///           linear light keep 183 of the 256 steps of sRGB apart, sixteen bits all of them.
 ///           Alpha is copied, or one. The material blends only if some alpha is below one.
 /// Indices   ushort up to 65535 vertices, else uint.
 ///

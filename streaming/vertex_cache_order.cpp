@@ -11,6 +11,13 @@
 
 namespace hewer::streaming {
 
+namespace {
+
+// Orders for 12 to 20 draw well on all caches measured, for 24 and more badly on those of 16.
+constexpr unsigned kCacheSize = 16;
+
+}  // namespace
+
 void order_for_vertex_cache(std::span<std::array<std::uint32_t, 3>> triangles,
                             std::uint64_t n_vertices,
                             std::span<std::uint32_t> new_index_of_vertex) {
@@ -31,7 +38,7 @@ void order_for_vertex_cache(std::span<std::array<std::uint32_t, 3>> triangles,
     static_assert(sizeof(triangles[0]) == 3 * sizeof(unsigned int));
     unsigned int* const corners = triangles.front().data();
     const std::size_t n_corners = 3 * triangles.size();
-    meshopt_optimizeVertexCache(corners, corners, n_corners, n_vertices);
+    meshopt_optimizeVertexCacheFifo(corners, corners, n_corners, n_vertices, kCacheSize);
     meshopt_optimizeVertexFetchRemap(new_index_of_vertex.data(), corners, n_corners, n_vertices);
     for (auto& t : triangles) {
         for (std::uint32_t& corner : t) corner = new_index_of_vertex[corner];

@@ -2,8 +2,10 @@
 #include "streaming/vertex_cache_order.h"
 
 #include <gtest/gtest.h>
+#include <meshoptimizer.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <deque>
 #include <random>
 #include <vector>
@@ -47,6 +49,26 @@ double acmr(const std::vector<Corners>& triangles) {
         }
     }
     return static_cast<double>(misses) / static_cast<double>(triangles.size());
+}
+
+// What meshoptimizer holds and held at most, counted through its allocator.
+std::size_t g_held = 0;
+std::size_t g_peak = 0;
+
+void* counting_allocate(std::size_t bytes) {
+    auto* const block = static_cast<std::max_align_t*>(
+        std::malloc(bytes + sizeof(std::max_align_t)));  // the size goes in front
+    *reinterpret_cast<std::size_t*>(block) = bytes;
+    g_held += bytes;
+    g_peak = std::max(g_peak, g_held);
+    return block + 1;
+}
+
+void counting_free(void* address) {
+    if (address == nullptr) return;
+    auto* const block = static_cast<std::max_align_t*>(address) - 1;
+    g_held -= *reinterpret_cast<std::size_t*>(block);
+    std::free(block);
 }
 
 Corners rotated_to_smallest(Corners t) {
@@ -113,6 +135,17 @@ TEST(VertexCacheOrder, IsTheSameEveryTime) {
     order_for_vertex_cache(b, place_b.size(), place_b);
     EXPECT_EQ(a, b);
     EXPECT_EQ(place_a, place_b);
+}
+
+TEST(VertexCacheOrder, HoldsWhatItSays) {
+    std::vector<Corners> triangles = shuffled_grid(100);
+    std::vector<std::uint32_t> place(101 * 101);
+    meshopt_setAllocator(counting_allocate, counting_free);
+    order_for_vertex_cache(triangles, place.size(), place);
+    meshopt_setAllocator(std::malloc, std::free);
+    const std::uint64_t claimed = vertex_cache_order_bytes(triangles.size(), place.size());
+    EXPECT_LE(g_peak, claimed);
+    EXPECT_GT(g_peak, claimed * 9 / 10);
 }
 
 TEST(VertexCacheOrder, TakesAMeshWithoutTriangles) {

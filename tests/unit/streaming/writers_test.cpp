@@ -7,6 +7,7 @@
 #include "hewer/error.h"
 #include "hewer/mesh_sink.h"
 #include "hewer/version.h"
+#include "streaming/glb_document.h"
 #include "streaming/mesh_writer.h"
 #include "tests/unit/streaming/parsed_mesh.h"
 #include "tests/unit/streaming/sample_mesh.h"
@@ -300,6 +301,17 @@ TEST_F(Writers, SameMeshGivesTheSameBytes) {
         EXPECT_TRUE(tests::read_whole(folder_.path() / ("a" + extension)) == first) << extension;
         std::filesystem::remove(folder_.path() / ("a" + extension));
     }
+}
+
+TEST(GlbDocument, LongestOneFitsInThePlaceKeptForIt) {
+    streaming::GlbLayout layout;
+    layout.n_vertices = layout.n_triangles = 0xFFFFFFFF;
+    layout.has_normals = layout.has_colors = layout.has_transparency = true;
+    layout.min.fill(-1.2345678e-38F);
+    layout.max.fill(-1.2345678e-38F);
+    layout.translation.fill(-1.2345678901234567e-300);
+    EXPECT_LT(streaming::glb_document(layout).size(), 1300U);
+    EXPECT_LT(1300U, streaming::kGlbDocumentBytes);
 }
 
 TEST(SinkMemory, GrowsWithVerticesForStlOnly) {
