@@ -35,6 +35,13 @@ class Workers {
         });
     }
 
+    /// body() on the caller's thread, with the threads of this run for the parallel algorithms of
+    /// oneTBB that it calls.
+    template <typename Body>
+    void execute(const Body& body) {
+        arena_.execute(body);
+    }
+
     /// body(worker) once for each worker 0 .. n_threads-1, as far as possible at the same time: for
     /// consumers that pull their work from a shared source.
     template <typename Body>

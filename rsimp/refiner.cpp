@@ -83,6 +83,7 @@ void add(CellAttributes& sum, const CellAttributes& a) {
 
 Clusters make_clusters(ooc::Context& context, const CellStore& store, std::uint64_t n) {
     Clusters clusters;
+    clusters.n_clusters = n;
     clusters.cluster_of_cell = {context.budget(), "clusters of cells", store.codes.size()};
     clusters.positions = {context.budget(), "cluster vertices", n};
     clusters.quadrics = {context.budget(), "cluster quadrics", n};

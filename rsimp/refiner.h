@@ -22,7 +22,9 @@ struct Clusters {
     ooc::Array<cluster::CellAttributes> attributes;  ///< summed; empty if there are none
     Vec3 origin{};                                   ///< in cells from the lattice origin
 
-    [[nodiscard]] std::uint64_t size() const { return positions.size(); }
+    std::uint64_t n_clusters = 0;
+
+    [[nodiscard]] std::uint64_t size() const { return n_clusters; }
 };
 
 /// Best-first refinement without a queue: with keys that never rise towards the leaves, the clusters that

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: MIT
+/// The pipeline: input -> cell store -> clusters -> manifold mesh -> finishing collapse -> LODs.
+#include "hewer/simplify.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <utility>
+
+#include "hewer/version.h"
+#include "ooc/context.h"
+#include "ooc/parallel.h"
+#include "ooc/resource_usage.h"
+#include "ooc/vec3.h"
+#include "rsimp/clustering.h"
+#include "rsimp/edge_collapse.h"
+#include "rsimp/grid_choice.h"
+#include "rsimp/lod.h"
+#include "rsimp/manifold.h"
+#include "rsimp/refiner.h"
+#include "rsimp/stage_log.h"
+
+namespace hewer {
+
+namespace {
+
+using namespace rsimp;
+
+// Expected shares of the time, for progress.
+const std::vector<ooc::StageWeight> kStages{{"bounds", 1}, {"vertices", 2}, {"sample", 2},
+                                            {"cluster", 8}, {"refine", 8},  {"mesh", 2},
+                                            {"finish", 12}, {"write", 2}};
+
+// With fewer cells than this times the clusters wanted, the collapse begins with the cells themselves.
+constexpr double kWorthRefining = 1.3;
+// The first splits of an error-bound run stop at this part of the bound; the collapse uses up the rest.
+constexpr double kErrorShareOfTree = 0.5;
+// How far the fans of a cut vertex move towards their own neighbours, so that sheets do not touch.
+constexpr double kNudge = 0.02;
+
+Priority priority_of(const SimplifyOptions& options, bool is_error_run) {
+    if (is_error_run) return Priority::Displacement;
+    return options.priority == SplitPriority::NormalVariation ? Priority::NormalVariation
+                                                              : Priority::Quadric;
+}
+
+Clusters make_clusters(ooc::Context& context, cluster::CellStore& store,
+                       const SimplifyOptions& options, StageLog& stages, SimplifyReport& report) {
+    stages.begin("refine", 0, "clusters");
+    if (options.method == Method::Uniform) return clusters_from_cells(context, store);
+    const Target& finest = options.targets.front();
+    const double error = target_error(finest, report.input.bounds);
+    const double cell = store.grid.cell_size(store.lattice);
+    const double wanted =
+        std::ceil(kClustersPerVertex * target_vertices(finest, report.input.triangles));
+    if (error == 0 && wanted * kWorthRefining >= static_cast<double>(store.codes.size())) {
+        return clusters_from_cells(context, store);
+    }
+    Refiner refiner(context, store, priority_of(options, error > 0));
+    Clusters clusters = error > 0 ? refiner.refine_to_key(kErrorShareOfTree * error / cell)
+                                  : refiner.refine_to_count(static_cast<std::uint64_t>(wanted));
+    report.refined_clusters = clusters.size();
+    return clusters;
+}
+
+/// Gives every vertex of the manifold mesh its cluster's place and quadric. Vertices that share a
+/// cluster share its quadric, and step apart.
+CollapseMesh make_collapse_mesh(ooc::Context& context, Clusters& clusters, ManifoldMesh& manifold) {
+    const std::uint64_t n = manifold.cluster_of_vertex.size();
+    CollapseMesh mesh;
+    mesh.triangles = std::move(manifold.triangles);
+    mesh.positions = {context.budget(), "mesh vertices", n};
+    mesh.quadrics = {context.budget(), "mesh quadrics", n};
+    mesh.boxes = {context.budget(), "mesh boxes", n};
+    if (!clusters.attributes.empty()) mesh.attributes = {context.budget(), "mesh attributes", n};
+    ooc::Array<std::uint32_t> n_fans(context.budget(), "fans", clusters.size());
+    for (const std::uint32_t c : manifold.cluster_of_vertex) ++n_fans[c];
+    for (std::uint64_t v = 0; v < n; ++v) {
+        const std::uint32_t c = manifold.cluster_of_vertex[v];
+        mesh.positions[v] = clusters.positions[c];
+        mesh.quadrics[v] = clusters.quadrics[c];
+        mesh.boxes[v] = clusters.boxes[c];
+        if (!mesh.attributes.empty()) mesh.attributes[v] = clusters.attributes[c];
+        if (n_fans[c] > 1) {
+            const double share = 1.0 / n_fans[c];
+            for (double& x : mesh.quadrics[v].a) x *= share;
+            for (double& x : mesh.quadrics[v].b) x *= share;
+            mesh.quadrics[v].c *= share;
+        }
+    }
+    if (manifold.n_cut_vertices > 0) {
+        ooc::Array<std::array<double, 4>> pull(context.budget(), "fans", n);
+        for (const CellTriple& t : mesh.triangles) {
+            for (std::size_t i = 0; i < 3; ++i) {
+                if (n_fans[manifold.cluster_of_vertex[t[i]]] < 2) continue;
+                for (const std::size_t k : {(i + 1) % 3, (i + 2) % 3}) {
+                    for (std::size_t d = 0; d < 3; ++d) {
+                        pull[t[i]][d] +=
+                            clusters.positions[manifold.cluster_of_vertex[t[k]]][d] -
+                            clusters.positions[manifold.cluster_of_vertex[t[i]]][d];
+                    }
+                    pull[t[i]][3] += 1;
+                }
+            }
+        }
+        for (std::uint64_t v = 0; v < n; ++v) {
+            if (pull[v][3] == 0) continue;
+            for (std::size_t d = 0; d < 3; ++d) {
+                mesh.positions[v][d] += kNudge * pull[v][d] / pull[v][3];
+            }
+        }
+    }
+    return mesh;
+}
+
+CollapseTarget collapse_target(const Target& target, const SimplifyReport& report,
+                               const cluster::CellStore& store) {
+    constexpr std::uint64_t kAny = std::numeric_limits<std::uint64_t>::max();
+    CollapseTarget t{kAny, kAny, {}};
+    switch (target.kind) {
+        case Target::Kind::Triangles:
+            t.most_triangles = static_cast<std::uint64_t>(target.value);
+            break;
+        case Target::Kind::Vertices:
+            t.most_vertices = static_cast<std::uint64_t>(target.value);
+            break;
+        case Target::Kind::Ratio:
+            // A hair more, so that 10 % of 1000 is 100 in spite of 0.1 not being a tenth.
+            t.most_triangles = static_cast<std::uint64_t>(
+                target.value * static_cast<double>(report.input.triangles) * (1 + 1e-12));
+            break;
+        case Target::Kind::Error:
+        case Target::Kind::RelativeError:
+            t.most_triangles = 0;
+            t.most_vertices = 0;
+            t.most_displacement = target_error(target, report.input.bounds) /
+                                  store.grid.cell_size(store.lattice);
+            break;
+    }
+    return t;
+}
+
+std::string hex(std::uint64_t value) {
+    std::array<char, 17> text{};
+    std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(value));
+    return text.data();
+}
+
+}  // namespace
+
+SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const SimplifyOptions& options,
+                        const Hooks& hooks, const ParentsCallback& parents) {
+    const auto start = std::chrono::steady_clock::now();
+    check_options(options);
+    ooc::Context context(options.memory_bytes, options.n_threads, hooks, kStages);
+    SimplifyReport report;
+    report.version = version();
+    report.options = options;
+    report.options.memory_bytes = context.budget().limit();
+    report.options.n_threads = context.n_threads();
+    StageLog stages(context, [&] { return source.bytes_read(); });
+
+    cluster::CellStore store = cluster_input(context, source, options, stages, report);
+    Clusters clusters = make_clusters(context, store, options, stages, report);
+    store.cells.release();
+    store.attributes.release();
+
+    stages.begin("mesh", 0, "");
+    for (auto& t : store.triangles) {
+        for (auto& id : t) id = clusters.cluster_of_cell[id];
+    }
+    const bool is_closed = store.n_border_cells == 0;
+    ManifoldMesh manifold =
+        build_manifold(context, store.triangles.span(), clusters.positions.span(), is_closed);
+    store.triangles.release();
+    if (manifold.triangles.empty()) {
+        throw InvalidArgument(source.info().name +
+                              ": nothing is left of the surface at this cell size; use a finer one");
+    }
+    CollapseMesh mesh = make_collapse_mesh(context, clusters, manifold);
+    clusters.positions.release();
+    clusters.quadrics.release();
+    clusters.boxes.release();
+    clusters.attributes.release();
+    EdgeCollapse collapse(context, std::move(mesh));
+
+    const SourceInfo& info = source.info();
+    std::vector<Target> targets = options.targets;
+    const bool is_free = targets.empty();  // uniform with a given cell: everything goes out
+    if (is_free) targets.push_back({Target::Kind::Ratio, 1});
+    LodWriter writer(context,
+                     {store, clusters.cluster_of_cell, manifold.cluster_of_vertex, clusters.size(),
+                      clusters.origin, info.has_normals, info.has_colors, info.has_alpha,
+                      info.has_double_positions},
+                     collapse);
+    std::vector<LodParents> all_parents;
+    for (std::size_t i = 0; i < targets.size(); ++i) {
+        LodReport lod;
+        lod.target = targets[i];
+        if (!is_free) {
+            const CollapseTarget target = collapse_target(targets[i], report, store);
+            const bool is_budget = !target.most_displacement;
+            if (is_budget && target.most_vertices == std::numeric_limits<std::uint64_t>::max()) {
+                lod.target_triangles = target.most_triangles;
+            }
+            stages.begin("finish", 0, "collapses");
+            report.collapses += collapse.run(target);
+            if (is_budget) collapse.drop_components(target);
+        }
+        stages.begin("write", 0, "bytes");
+        const std::unique_ptr<MeshSink> sink = sinks(i);
+        writer.write(*sink, lod);
+        sink->finish();
+        lod.bytes = sink->bytes_written();
+        stages.add_bytes_written(lod.bytes);
+        report.bytes_written += lod.bytes;
+        report.lods.push_back(std::move(lod));
+        if (i > 0 && parents) all_parents.push_back(writer.parents());
+    }
+    stages.end();
+    for (std::size_t i = 0; i < all_parents.size(); ++i) parents(i, all_parents[i]);
+
+    report.stages = stages.stages();
+    report.warnings = context.warnings();
+    report.bytes_read = source.bytes_read();
+    report.peak_budget_bytes = stages.peak_budget_bytes();
+    report.peak_resident_bytes = ooc::peak_resident_bytes();
+    report.result_hash = hex(writer.hash());
+    report.seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return report;
+}
+
+Mesh simplify_mesh(const Mesh& mesh, const SimplifyOptions& options, const Hooks& hooks) {
+    if (options.targets.size() > 1) {
+        throw InvalidArgument("simplify_mesh() makes one LOD; use simplify() for several");
+    }
+    Mesh result;
+    const auto source = view_mesh(mesh);
+    simplify(*source, [&](std::size_t) { return collect_mesh(result); }, options, hooks);
+    return result;
+}
+
+}  // namespace hewer

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+/// simplify() from file to files, with the manifest of a LOD chain.
+#include <nlohmann/json.hpp>
+#include <system_error>
+#include <utility>
+
+#include "hewer/simplify.h"
+#include "hewer/version.h"
+#include "ooc/file.h"
+
+namespace hewer {
+
+namespace {
+
+std::filesystem::path manifest_path(const std::filesystem::path& output) {
+    std::filesystem::path name = output.stem();
+    name += "_lods.json";
+    return output.parent_path() / name;
+}
+
+std::string manifest(const SimplifyReport& report) {
+    nlohmann::ordered_json root;
+    root["generator"] = std::string("hewer ") + version();
+    root["source"] = report.input.path;
+    root["source_triangles"] = report.input.triangles;
+    const Bounds& b = report.input.bounds;
+    root["bounds"] = {{"min", b.min}, {"max", b.max}};
+    const Vec3 center = b.center();
+    root["bounding_sphere"] = {{"center", center}, {"radius", b.diagonal() / 2}};
+    root["lods"] = nlohmann::ordered_json::array();
+    for (const LodReport& lod : report.lods) {
+        root["lods"].push_back({{"file", std::filesystem::path(lod.path).filename().string()},
+                                {"triangles", lod.triangles},
+                                {"vertices", lod.vertices},
+                                {"error_bound", lod.error_bound},
+                                {"lost_cells", lod.lost_cells},
+                                {"bytes", lod.bytes}});
+    }
+    return root.dump(2) + "\n";
+}
+
+}  // namespace
+
+std::filesystem::path lod_path(const std::filesystem::path& output, std::size_t lod,
+                               std::size_t n_lods) {
+    if (n_lods == 1) return output;
+    std::filesystem::path name = output.stem();
+    name += "_lod" + std::to_string(lod);
+    name += output.extension();
+    return output.parent_path() / name;
+}
+
+SimplifyReport simplify_file(const std::filesystem::path& input, const std::filesystem::path& output,
+                             const SimplifyOptions& options, const Hooks& hooks, bool overwrite) {
+    const std::unique_ptr<MeshSource> source = open_mesh(input, options.strict);
+    const std::size_t n = std::max<std::size_t>(1, options.targets.size());
+    // All outputs are opened before any work, so that a bad place for them costs nothing.
+    std::vector<std::unique_ptr<MeshSink>> sinks;
+    for (std::size_t i = 0; i < n; ++i) {
+        const std::filesystem::path path = lod_path(output, i, n);
+        std::error_code ignored;
+        if (std::filesystem::equivalent(input, path, ignored)) {
+            throw InvalidArgument(path.string() + ": is the input; choose another name for the output");
+        }
+        sinks.push_back(create_mesh_file(path, overwrite));
+    }
+    std::unique_ptr<ooc::OutputFile> manifest_file;
+    if (n > 1) {
+        manifest_file = std::make_unique<ooc::OutputFile>(manifest_path(output), overwrite);
+    }
+    SimplifyReport report = simplify(
+        *source, [&](std::size_t i) { return std::move(sinks[i]); }, options, hooks);
+    for (std::size_t i = 0; i < n; ++i) report.lods[i].path = lod_path(output, i, n).string();
+    if (manifest_file) {
+        manifest_file->write(manifest(report));
+        manifest_file->commit();
+    }
+    return report;
+}
+
+}  // namespace hewer
