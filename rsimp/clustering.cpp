@@ -26,9 +26,9 @@ using cluster::VertexStore;
 namespace {
 
 // The uniform method aims here, as a share of the target, and is content between the two others.
-constexpr double kUniformAim = 0.93;
-constexpr double kUniformLeast = 0.83;
-constexpr double kUniformMost = 0.995;
+constexpr double kUniformAim = 0.95;
+constexpr double kUniformLeast = 0.87;
+constexpr double kUniformMost = 1.0;
 constexpr int kUniformTries = 4;
 
 CellSample sample_vertices(ooc::Context& context, const VertexStore& vertices) {
@@ -128,10 +128,8 @@ class Pass {
         const cluster::AccumulateInput input{source_, lattice_, grid, vertices_, bounds_};
         result = cluster::accumulate(context_, input, table, with_face_normals);
         ++report_.input.triangle_passes;
-        if (!keeps_vertices) {
-            vertices_.points.release();
-            vertices_.cells.release();
-        }
+        vertices_.points.release();
+        vertices_.cells.release();
         return cluster::build_cell_store(context_, lattice_, grid, table, result.triples,
                                          options_.border_weight);
     }
@@ -143,8 +141,6 @@ class Pass {
         return table.size();
     }
 
-    bool keeps_vertices = false;
-
   private:
     ooc::Context& context_;
     MeshSource& source_;
@@ -155,35 +151,20 @@ class Pass {
     SimplifyReport& report_;
 };
 
-std::uint64_t most_triangles(const Target& target, std::uint64_t n_triangles) {
-    switch (target.kind) {
-        case Target::Kind::Triangles:
-            return static_cast<std::uint64_t>(target.value);
-        case Target::Kind::Vertices:
-            return static_cast<std::uint64_t>(2 * target.value);
-        default:
-            return static_cast<std::uint64_t>(target.value * static_cast<double>(n_triangles));
-    }
-}
-
-/// The uniform method: grids are tried until the number of surviving triangles fits the target.
-CellStore cluster_uniformly(Pass& pass, const SimplifyOptions& options, const CellSample& sample,
-                            const SourceInfo& info, AccumulateResult& result) {
-    const Target& target = options.targets.front();
-    const auto most = static_cast<double>(most_triangles(target, info.n_faces));
-    double cells = kUniformAim * most / 2;
+/// The uniform method's grid: a closed surface has twice as many triangles as vertices, so the number of
+/// occupied cells tells what will come out before a triangle is read.
+UniformGrid choose_uniform_grid(Pass& pass, const SimplifyOptions& options, const CellSample& sample,
+                                const SourceInfo& info, double& cells) {
+    const double most = target_vertices(options.targets.front(), info.n_faces);
+    cells = kUniformAim * most;
     double resolution = sample.resolution_for(cells);
-    pass.keeps_vertices = true;
-    for (int i = 1;; ++i) {
-        const UniformGrid grid(resolution);
-        CellStore store = pass.run(grid, cells, result);
-        const auto n = static_cast<double>(store.triangles.size());
+    for (int i = 1; info.is_indexed && i < kUniformTries; ++i) {
+        const auto n = static_cast<double>(pass.count_cells(UniformGrid(resolution), cells));
         const bool is_finest = resolution >= sample.separating_resolution();
-        const bool is_good = n <= kUniformMost * most && (n >= kUniformLeast * most || is_finest);
-        if (is_good || i == kUniformTries) return store;
-        resolution *= std::sqrt(kUniformAim * most / std::max(n, 1.0));
-        cells *= kUniformAim * most / std::max(n, 1.0);
+        if (n <= kUniformMost * most && (n >= kUniformLeast * most || is_finest)) break;
+        resolution *= std::sqrt(kUniformAim * most / n);
     }
+    return UniformGrid(resolution);
 }
 
 }  // namespace
@@ -232,7 +213,9 @@ CellStore cluster_input(ooc::Context& context, MeshSource& source, const Simplif
     AccumulateResult result;
     CellStore store;
     if (options.method == Method::Uniform && !options.cell_size) {
-        store = cluster_uniformly(pass, options, sample, info, result);
+        double cells = 0;
+        const UniformGrid grid = choose_uniform_grid(pass, options, sample, info, cells);
+        store = pass.run(grid, cells, result);
     } else {
         const UniformGrid grid(choose_resolution(options, input.bounds, sample, info.n_faces));
         store = pass.run(grid, sample.count_cells(grid), result);

@@ -12,8 +12,7 @@
 namespace hewer::rsimp {
 
 /// Passes: bounds (unless given), vertices, triangles; a soup has its corners sampled in a pass of its
-/// own, vertex attributes are added in one more pass over the vertices, and the uniform method repeats
-/// the pass over the triangles when its grid turns out to miss the target by more than a fifth.
+/// own, and vertex attributes are added in one more pass over the vertices.
 /// Fills report.input and report.grid.
 /// Throws FormatError if no usable triangle is found.
 cluster::CellStore cluster_input(ooc::Context& context, MeshSource& source,

@@ -18,6 +18,9 @@ namespace {
 
 constexpr std::uint64_t kMostFaces = 0xfffffffeU / 3;  // half-edge ids have 32 bits
 
+// Components with more faces are kept even where they touch a larger one.
+constexpr std::uint32_t kMostFacesOfBubble = 32;
+
 /// A face without its smallest vertex, by which faces are bucketed.
 struct RestOfFace {
     std::uint32_t second;  // after the smallest, in winding order
@@ -148,13 +151,11 @@ class EdgePairing {
     std::span<std::uint32_t> opposite_;
 };
 
-/// Walks the fans: one vertex for each, numbered in the order of their first corner.
-void name_fans(ManifoldMesh& mesh, std::span<const CellTriple> faces,
-               std::span<const std::uint32_t> opposite, ooc::Context& context,
-               std::uint64_t n_clusters) {
-    std::span<CellTriple> named = mesh.triangles.span();
+/// Walks the fans: one vertex for each, numbered in the order of their first corner. `named` receives
+/// the faces in those numbers, `cluster_of` the cluster of each. Returns the number of vertices.
+std::uint32_t name_fans(std::span<const CellTriple> faces, std::span<const std::uint32_t> opposite,
+                        std::span<CellTriple> named, std::span<std::uint32_t> cluster_of) {
     for (CellTriple& t : named) t = {kNoIndex, kNoIndex, kNoIndex};
-    ooc::Array<std::uint32_t> cluster_of(context.budget(), "fans", 3 * faces.size());
     std::uint32_t n_vertices = 0;
     for (std::uint32_t f = 0; f < faces.size(); ++f) {
         for (std::uint32_t i = 0; i < 3; ++i) {
@@ -181,10 +182,114 @@ void name_fans(ManifoldMesh& mesh, std::span<const CellTriple> faces,
             }
         }
     }
-    mesh.cluster_of_vertex = {context.budget(), "vertices", n_vertices};
+    return n_vertices;
+}
+
+/// Two sheets that meet along an edge may be one fan around both of its ends: then two edges join the
+/// same two vertices. Cutting along that loop of two edges and closing both sides, which is to exchange
+/// partners, makes two vertices of each end. On a surface that is not orientable it may not: with
+/// `is_stuck` the loops stay open instead. Returns how many loops were cut.
+std::uint64_t cut_double_edges(ooc::Context& context, std::span<const CellTriple> named,
+                               std::uint64_t n_vertices, bool is_stuck,
+                               std::span<std::uint32_t> opposite) {
+    std::atomic<std::uint64_t> n_cut{0};
+    for_each_edge(context, named, n_vertices, [&](std::uint32_t low, std::span<const HalfEdge> group) {
+        if (group.size() < 3) return;
+        if (is_stuck || group.size() == 3) {
+            for (const HalfEdge& h : group) opposite[h.id] = kNoIndex;
+            n_cut.fetch_add(1, std::memory_order_relaxed);
+            return;
+        }
+        const auto is_forward = [&](std::uint32_t id) { return named[id / 3][id % 3] == low; };
+        const std::uint32_t p = group[0].id;
+        const std::uint32_t q = opposite[p];
+        n_cut.fetch_add(1, std::memory_order_relaxed);
+        for (const HalfEdge& candidate : group) {
+            const std::uint32_t r = candidate.id;
+            const std::uint32_t s = opposite[r];
+            if (r == p || r == q || s == kNoIndex || q == kNoIndex) continue;
+            if (is_forward(r) != is_forward(p)) continue;
+            opposite[p] = s;
+            opposite[s] = p;
+            opposite[r] = q;
+            opposite[q] = r;
+            return;
+        }
+    });
+    return n_cut;
+}
+
+/// Folding pinches off bubbles: small closed components that share clusters with a larger one. They
+/// stand for nothing of their own, and dropping a closed component opens nothing.
+std::uint64_t drop_bubbles(ooc::Context& context, ooc::Array<CellTriple>& named,
+                           std::span<const std::uint32_t> cluster_of, std::uint64_t n_vertices,
+                           std::uint64_t n_clusters, std::span<const std::uint32_t> opposite) {
+    ooc::Array<std::uint32_t> label(context.budget(), "components", n_vertices);
+    for (std::uint32_t v = 0; v < n_vertices; ++v) label[v] = v;
+    const auto find = [&](std::uint32_t v) {
+        while (label[v] != v) v = label[v] = label[label[v]];
+        return v;
+    };
+    for (const CellTriple& t : named) {
+        for (std::size_t i = 1; i < 3; ++i) {
+            const std::uint32_t a = find(t[0]);
+            const std::uint32_t b = find(t[i]);
+            label[std::max(a, b)] = std::min(a, b);
+        }
+    }
+    ooc::Array<std::uint32_t> n_faces(context.budget(), "components", n_vertices);
+    ooc::Array<std::uint8_t> is_open(context.budget(), "components", n_vertices);
+    for (std::uint64_t f = 0; f < named.size(); ++f) {
+        const std::uint32_t c = find(named[f][0]);
+        ++n_faces[c];
+        for (std::uint64_t e = 3 * f; e < 3 * f + 3; ++e) {
+            if (opposite[e] == kNoIndex) is_open[c] = 1;
+        }
+    }
+    // The component with the most faces in each cluster; ties go to the lower label.
+    ooc::Array<std::uint32_t> largest(context.budget(), "components", n_clusters);
+    std::fill(largest.begin(), largest.end(), kNoIndex);
+    for (std::uint32_t v = 0; v < n_vertices; ++v) {
+        const std::uint32_t c = find(v);
+        std::uint32_t& best = largest[cluster_of[v]];
+        if (best == kNoIndex || n_faces[c] > n_faces[best] ||
+            (n_faces[c] == n_faces[best] && c < best)) {
+            best = c;
+        }
+    }
+    ooc::Array<std::uint8_t> is_bubble(context.budget(), "components", n_vertices);
+    for (std::uint32_t v = 0; v < n_vertices; ++v) {
+        const std::uint32_t c = find(v);
+        if (largest[cluster_of[v]] != c && n_faces[c] <= kMostFacesOfBubble && is_open[c] == 0) {
+            is_bubble[c] = 1;
+        }
+    }
+    std::uint64_t kept = 0;
+    for (const CellTriple& t : named) {
+        if (is_bubble[find(t[0])] == 0) named[kept++] = t;
+    }
+    return named.size() - kept;
+}
+
+/// Renumbers what is left after dropping faces, in the order of the old numbers.
+void compact(ooc::Context& context, ManifoldMesh& mesh, std::span<const CellTriple> named,
+             std::span<const std::uint32_t> cluster_of, std::uint64_t n_vertices,
+             std::uint64_t n_clusters) {
+    ooc::Array<std::uint32_t> new_index(context.budget(), "vertices", n_vertices);
+    for (const CellTriple& t : named) {
+        for (const std::uint32_t v : t) new_index[v] = 1;
+    }
+    std::uint32_t n = 0;
+    for (std::uint32_t& index : new_index) index = index != 0 ? n++ : kNoIndex;
+    mesh.triangles = {context.budget(), "triangles", named.size()};
+    for (std::uint64_t f = 0; f < named.size(); ++f) {
+        for (std::size_t i = 0; i < 3; ++i) mesh.triangles[f][i] = new_index[named[f][i]];
+    }
+    mesh.cluster_of_vertex = {context.budget(), "vertices", n};
     ooc::Array<std::uint8_t> seen(context.budget(), "fans", n_clusters);
     for (std::uint32_t v = 0; v < n_vertices; ++v) {
-        mesh.cluster_of_vertex[v] = cluster_of[v];
+        if (new_index[v] == kNoIndex) continue;
+        mesh.cluster_of_vertex[new_index[v]] = cluster_of[v];
         std::uint8_t& count = seen[cluster_of[v]];
         if (count == 1) ++mesh.n_cut_vertices;
         if (count < 2) ++count;
@@ -214,8 +319,22 @@ ManifoldMesh build_manifold(ooc::Context& context, std::span<const CellTriple> t
                           pairing.pair_many(low, group);
                       }
                   });
-    mesh.triangles = {context.budget(), "triangles", faces.size()};
-    name_fans(mesh, faces.span(), opposite.span(), context, positions.size());
+    ooc::Array<CellTriple> named(context.budget(), "triangles", faces.size());
+    ooc::Array<std::uint32_t> cluster_of(context.budget(), "fans", 3 * faces.size());
+    std::uint32_t n_vertices =
+        name_fans(faces.span(), opposite.span(), named.span(), cluster_of.span());
+    // A round makes more vertices, of which there are at most three for each face, or opens edges: this
+    // ends.
+    bool is_stuck = false;
+    while (cut_double_edges(context, named.span(), n_vertices, is_stuck, opposite.span()) > 0) {
+        const std::uint32_t before = n_vertices;
+        n_vertices = name_fans(faces.span(), opposite.span(), named.span(), cluster_of.span());
+        is_stuck = n_vertices <= before;
+    }
+    mesh.n_bubble_faces = drop_bubbles(context, named, cluster_of.span(), n_vertices,
+                                       positions.size(), opposite.span());
+    compact(context, mesh, named.span().first(named.size() - mesh.n_bubble_faces),
+            cluster_of.span(), n_vertices, positions.size());
     return mesh;
 }
 

@@ -23,6 +23,7 @@ struct ManifoldMesh {
     ooc::Array<CellTriple> triangles;             ///< vertex ids; no repeated, no duplicate face
     ooc::Array<std::uint32_t> cluster_of_vertex;  ///< several vertices may share a cluster
     std::uint64_t n_cancelled = 0;  ///< faces dropped: opposite pairs and, where not closed, duplicates
+    std::uint64_t n_bubble_faces = 0;  ///< faces of bubbles that folding had pinched off
     std::uint64_t n_cut_vertices = 0;  ///< clusters that became more than one vertex
 };
 
@@ -32,11 +33,12 @@ struct ManifoldMesh {
 ///    (each is part of some closed sheet), else all but one are dropped as dirt;
 ///  - an edge with more than two faces is where sheets touch: its faces are paired, forward with
 ///    backward, the flattest pairs first, and a vertex is made for every fan of faces that is then left
-///    around a cluster. So no edge is opened and no edge keeps more than two faces.
+///    around a cluster. So no edge is opened and no edge keeps more than two faces;
+///  - small closed components that share a cluster with a larger one are dropped.
 ///
 /// `triples` are cluster ids; those with repeated ids are skipped. `positions` (by cluster) decide which
 /// pairs are flat. Equal input sets give equal output, whatever their order.
-/// Memory: 48 bytes a triangle on the way.
+/// Memory: 60 bytes a triangle on the way.
 ManifoldMesh build_manifold(ooc::Context& context, std::span<const CellTriple> triples,
                             std::span<const Vec3> positions, bool is_closed);
 
