@@ -162,6 +162,17 @@ TEST_F(HostileInput, ListCountsAreNotBelieved) {
     expect_refused(replace(ascii, "3 0 3 2", "3 0 99999999999999999999 2"), {"face 2", "line 16"});
 }
 
+TEST_F(HostileInput, RowsTooLargeForABatchAreRefused) {
+    PlyMesh mesh = tetrahedron();
+    mesh.faces[1].assign(1'500'000, 2);
+    PlyStyle style;
+    style.count_type = "uint";
+    expect_refused(test::ply_file(mesh, style), {"face 1", "4.00 MiB", "byte"});
+    style.format = "ascii";
+    mesh.faces[1].assign(2'500'000, 2);
+    expect_refused(test::ply_file(mesh, style), {"face 1", "4.00 MiB", "line 15"});
+}
+
 TEST_F(HostileInput, ListCountsOfSkippedElementsAreNotBelieved) {
     PlyStyle style;
     style.has_extra_elements = true;

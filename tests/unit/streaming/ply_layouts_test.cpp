@@ -94,7 +94,7 @@ TEST_P(PlyLayouts, ReadsAllCoordinateTypes) {
 
 TEST_P(PlyLayouts, ReadsAllIndexAndCountTypes) {
     for (const char* index : {"char", "uchar", "short", "ushort", "int", "uint", "int32", "uint32",
-                              "int64", "uint64", "long", "longlong"}) {
+                              "int64", "uint64", "long", "longlong", "ulong", "ulonglong"}) {
         for (const char* count : {"char", "uchar", "short", "ushort", "int", "uint", "uint64"}) {
             SCOPED_TRACE(std::string(count) + " " + index);
             PlyStyle s = style();
