@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// What decoding found, as counters of a batch or, in strict mode, as the error that it is there.
+/// Each batch names the first place of its own; InputDefects::merge() keeps the lowest of all. In
+/// strict mode the place is the first of some batch: on several threads not always the same one.
 #pragma once
 
 #include <cstdint>

@@ -11,6 +11,21 @@
 
 namespace hewer {
 
+namespace {
+
+/// The element number in "vertex 17 (byte 1234)".
+std::uint64_t element_number(const std::string& text) {
+    const std::size_t digits = text.find_first_of("0123456789");
+    return digits == std::string::npos ? 0 : std::stoull(text.substr(digits));
+}
+
+void keep_first(std::string& mine, const std::string& other) {
+    if (other.empty()) return;
+    if (mine.empty() || element_number(other) < element_number(mine)) mine = other;
+}
+
+}  // namespace
+
 void InputDefects::merge(const InputDefects& other) {
     nonfinite_vertices += other.nonfinite_vertices;
     nonfinite_triangles += other.nonfinite_triangles;
@@ -18,8 +33,8 @@ void InputDefects::merge(const InputDefects& other) {
     short_faces += other.short_faces;
     polygons += other.polygons;
     degenerate_triangles += other.degenerate_triangles;
-    if (first_nonfinite.empty()) first_nonfinite = other.first_nonfinite;
-    if (first_out_of_range.empty()) first_out_of_range = other.first_out_of_range;
+    keep_first(first_nonfinite, other.first_nonfinite);
+    keep_first(first_out_of_range, other.first_out_of_range);
 }
 
 namespace {

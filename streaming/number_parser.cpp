@@ -24,8 +24,9 @@ const unsigned char* parse_any_double(const unsigned char* p, double& value) {
     if (token.size() > 1 && token[0] == '+' && token[1] != '-') token.remove_prefix(1);
     const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), value);
     if (error == std::errc::result_out_of_range) {
-        const bool is_tiny = token.find("e-") != token.npos || token.find("E-") != token.npos ||
-                             token.find_first_not_of("-0") == token.find('.');
+        const std::size_t e = token.find_first_of("eE");
+        const bool is_tiny = e != token.npos ? token[e + 1] == '-'
+                                             : token.find_first_not_of("-0") == token.find('.');
         value = is_tiny ? 0.0 : std::numeric_limits<double>::infinity();
         if (token[0] == '-') value = -value;
         return token_end;

@@ -82,9 +82,7 @@ class AsciiEncoding {
                 } else if (step.kind == Step::Kind::Skip) {
                     p = skip_tokens(p, end, 1);
                 } else {
-                    std::int64_t count = 0;
-                    p = skip_tokens(parse_integer(token, count), end,
-                                    static_cast<std::uint64_t>(count));
+                    p = skip_list(token, end);
                 }
             }
         }
@@ -127,9 +125,7 @@ class AsciiEncoding {
         const unsigned char* const end = p + block.n_bytes + 1;
         for (; row > 0; --row) {
             for (const RowList& list : shape.lists) {
-                p = skip_blanks(skip_tokens(p, end, list.gap), end);
-                std::int64_t count = 0;
-                p = skip_tokens(parse_integer(p, count), end, static_cast<std::uint64_t>(count));
+                p = skip_list(skip_blanks(skip_tokens(p, end, list.gap), end), end);
             }
             p = skip_tokens(p, end, shape.tail);
         }
@@ -137,6 +133,13 @@ class AsciiEncoding {
     }
 
   private:
+    /// The place after the list whose count is at `p`; the reader has checked the count.
+    static const unsigned char* skip_list(const unsigned char* p, const unsigned char* end) {
+        std::int64_t count = 0;
+        p = parse_integer(p, count);
+        return skip_tokens(p, end, static_cast<std::uint64_t>(count));
+    }
+
     /// Whether a carried property stands at `offset` of the packed row.
     [[nodiscard]] bool is_field(std::size_t offset) const {
         const auto is_here = [&](const std::array<PlyField, 3>& triple) {

@@ -36,7 +36,7 @@ FaceFindings decode(const RowShape& shape, std::size_t list, std::uint64_t n_ver
     std::size_t available = block.n_bytes;
 
     if (block.stride != 0 && block.n_triangles == block.n_rows) {
-        const unsigned char* ids = nullptr;
+        const unsigned char* ids = p;
         (void)walk_row(shape, Swap, p, available,
                        [&](std::size_t i, const unsigned char* items, std::uint64_t) {
                            if (i == list) ids = items;

@@ -15,7 +15,7 @@ namespace hewer::streaming {
 namespace {
 
 std::optional<ScalarType> scalar_type(std::string_view name) {
-    static constexpr std::array<std::pair<std::string_view, ScalarType>, 28> kNames{{
+    static constexpr std::array<std::pair<std::string_view, ScalarType>, 30> kNames{{
         {"char", ScalarType::Int8},      {"int8", ScalarType::Int8},
         {"int8_t", ScalarType::Int8},    {"uchar", ScalarType::UInt8},
         {"uint8", ScalarType::UInt8},    {"uint8_t", ScalarType::UInt8},
@@ -28,11 +28,10 @@ std::optional<ScalarType> scalar_type(std::string_view name) {
         {"int64", ScalarType::Int64},    {"int64_t", ScalarType::Int64},
         {"longlong", ScalarType::Int64}, {"long", ScalarType::Int64},
         {"uint64", ScalarType::UInt64},  {"uint64_t", ScalarType::UInt64},
+        {"ulong", ScalarType::UInt64},   {"ulonglong", ScalarType::UInt64},
         {"float", ScalarType::Float32},  {"float32", ScalarType::Float32},
         {"double", ScalarType::Float64}, {"float64", ScalarType::Float64},
     }};
-    // ulong and ulonglong, and nothing else, are left over.
-    if (name == "ulong" || name == "ulonglong") return ScalarType::UInt64;
     const auto* found = std::find_if(kNames.begin(), kNames.end(),
                                      [&](const auto& entry) { return entry.first == name; });
     if (found == kNames.end()) return std::nullopt;

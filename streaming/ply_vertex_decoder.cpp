@@ -18,7 +18,7 @@ std::uint16_t to_color16(T value) {
     if constexpr (std::is_floating_point_v<T>) {
         // Written so that NaN becomes 0.
         const double v = static_cast<double>(value);
-        return static_cast<std::uint16_t>((v > 0 ? std::min(v, 1.0) : 0.0) * 65535.0 + 0.5);
+        return static_cast<std::uint16_t>(std::lround((v > 0 ? std::min(v, 1.0) : 0.0) * 65535.0));
     } else if constexpr (sizeof(T) == 1) {
         return static_cast<std::uint16_t>(static_cast<std::uint8_t>(value) * 257U);
     } else if constexpr (sizeof(T) == 2) {

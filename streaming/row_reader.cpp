@@ -12,8 +12,9 @@ namespace hewer::streaming {
 namespace {
 
 /// A block is not read larger than this, unless a single row is.
-constexpr std::size_t kBlockBytes = 4 << 20;
-constexpr std::size_t kMaxRowBytes = 64 << 20;
+constexpr std::size_t kBlockBytes = 1 << 20;
+/// Bounds the fan of one polygon, too: a million 32-bit ids, 24 MiB of triangles.
+constexpr std::size_t kMaxRowBytes = 4 << 20;
 
 /// Whether n integers, `stride` bytes apart, have the bits of the first.
 template <typename T>

@@ -55,7 +55,7 @@ std::size_t walk_row(const RowShape& shape, bool swap, const unsigned char* p,
 /// begins. The common case, all rows of a block alike (triangles only), is cut by comparing the
 /// counts at equal distances; the others are walked.
 /// Memory: a block of at most kBlockRows rows for each thread, or one row if that is larger, up to
-/// 64 MiB. Throws FormatError: the file ends in a row, a count is negative or beyond the file.
+/// 4 MiB. Throws FormatError: the file ends in a row, a count is negative or beyond the file.
 class RowReader {
   public:
     /// @param offset    of the first row.

@@ -11,7 +11,7 @@ namespace hewer::streaming {
 
 namespace {
 constexpr std::size_t kBlockBytes = 512 << 10;
-constexpr std::size_t kMaxRowBytes = 64 << 20;
+constexpr std::size_t kMaxRowBytes = 4 << 20;
 }  // namespace
 
 std::uint64_t line_of(const TextBlock& block, const unsigned char* p) {
@@ -54,7 +54,7 @@ bool TextReader::next(TextBlock& block) {
                      " of them");
         }
         if (bytes == kMaxRowBytes) {
-            fail(block, data,
+            fail(block, skip_blanks(data, data + block.n_bytes),
                  "a row of more than " + ooc::format_bytes(kMaxRowBytes) +
                      " is beyond what hewer reads");
         }

@@ -26,6 +26,8 @@ struct InputDefects {
     std::string first_nonfinite;
     std::string first_out_of_range;
 
+    /// Adds the counts; of two places, keeps that of the lower element number, so that the order in
+    /// which threads merge their batches does not show.
     void merge(const InputDefects& other);
 };
 
