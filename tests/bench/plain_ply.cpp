@@ -104,6 +104,7 @@ Header read_header(const std::string& path, std::FILE* file) {
             check_face_property(path, line);
         } else if (word == "end_header") {
             if (header.n_coordinates != 3) fail(path, "has no float x, y, z");
+            if (header.n_faces == 0) fail(path, "has no faces");
             return header;
         }
     }
