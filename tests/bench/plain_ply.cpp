@@ -164,6 +164,7 @@ void read_binary_faces(const std::string& path, std::FILE* file, const Header& h
     indices.resize(3 * face);
     std::array<std::uint32_t, 255> polygon{};
     for (; face < header.n_faces; ++face) {
+        if (record == end) fail(path, "is truncated");
         const auto n_corners = static_cast<std::size_t>(static_cast<unsigned char>(*record));
         if (static_cast<std::size_t>(end - record) < 1 + 4 * n_corners) fail(path, "is truncated");
         std::memcpy(polygon.data(), record + 1, 4 * n_corners);

@@ -10,12 +10,11 @@
 #include <spawn.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cstdio>
 #include <cstring>
-
-extern char** environ;
 
 int main(int argc, char** argv) {
     if (argc < 3) {
