@@ -37,8 +37,7 @@ inline double squared_distance_to_segment(const Vec3& from_start, const Vec3& ed
 }  // namespace detail
 
 /// Squared distance in square steps from `q` (in steps) to the closed triangle `t`, which may be
-/// degenerate: a segment or a point. May return a lower bound instead, as soon as that exceeds
-/// `limit`.
+/// degenerate: a segment or a point. Infinity may stand for a distance above `limit`.
 ///
 /// Over the inside of the triangle it is the distance to its plane, elsewhere the least distance to
 /// those edges that have `q` on their outer side. Unlike the walk over Voronoi regions (Ericson,
@@ -57,8 +56,8 @@ inline double squared_distance(const Vec3& q, const LatticeTriangle& t,
     double to_plane2 = 0;
     if (n2 > 0) {
         const double h = dot(qa, n);
+        if (h * h > limit * n2) return std::numeric_limits<double>::infinity();
         to_plane2 = h * h / n2;
-        if (to_plane2 > limit) return to_plane2;
     }
     const Vec3 qb = minus(q, b);
     const Vec3 qc = minus(q, c);

@@ -71,6 +71,10 @@ class TriangleIndex {
     void fill_leaf_parents(std::uint64_t begin, std::uint64_t end);
     void fill_inner_nodes(std::size_t level, std::uint64_t begin, std::uint64_t end);
 
+    static std::array<float, kFanOut> child_distances(const Node& node, const LatticePoint& p);
+    void search_leaf(std::uint64_t leaf, const Vec3& q, const LatticePoint& p, Nearest& best,
+                     float& limit) const;
+
     ooc::Array<LatticeTriangle> triangles_;
     ooc::Array<Node> nodes_;  // level 0, the parents of leaves, first; the root last
     std::array<Level, kMaxLevels> levels_{};
