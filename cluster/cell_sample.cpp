@@ -9,7 +9,7 @@ namespace hewer::cluster {
 
 namespace {
 
-constexpr std::uint64_t kWanted = 400'000;
+constexpr std::uint64_t kWanted = 100'000;
 constexpr unsigned kBoxShift = 25;  // 128 boxes an axis: thousands on any surface
 constexpr double kSeparating = 0.6;
 
@@ -73,7 +73,7 @@ double CellSample::resolution_for(double wanted) const {
         resolution = std::clamp(resolution, 1.0, UniformGrid::kMaxResolution);
         const double n = std::max(1.0, count_cells(UniformGrid(resolution)));
         const double ratio = wanted / n;
-        if (std::fabs(ratio - 1) < 0.005) break;
+        if (std::fabs(ratio - 1) < 0.02) break;
         resolution *= std::sqrt(ratio);
     }
     return std::clamp(resolution, 1.0, UniformGrid::kMaxResolution);

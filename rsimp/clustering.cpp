@@ -170,9 +170,14 @@ UniformGrid choose_uniform_grid(Pass& pass, const SimplifyOptions& options, cons
 }  // namespace
 
 CellStore cluster_input(ooc::Context& context, MeshSource& source, const SimplifyOptions& options,
-                        StageLog& stages, SimplifyReport& report) {
+                        double finer, StageLog& stages, SimplifyReport& report, bool& is_finest) {
     const SourceInfo& info = source.info();
+    const int vertex_passes = report.input.vertex_passes;
+    const int triangle_passes = report.input.triangle_passes;
+    report.input = {};
     InputReport& input = report.input;
+    input.vertex_passes = vertex_passes;
+    input.triangle_passes = triangle_passes;
     input.path = info.name;
     input.format = info.format;
     input.bytes = info.n_bytes;
@@ -217,7 +222,9 @@ CellStore cluster_input(ooc::Context& context, MeshSource& source, const Simplif
         const UniformGrid grid = choose_uniform_grid(pass, options, sample, info, cells);
         store = pass.run(grid, cells, result);
     } else {
-        const UniformGrid grid(choose_resolution(options, input.bounds, sample, info.n_faces));
+        const UniformGrid grid(
+            choose_resolution(options, input.bounds, sample, info.n_faces, finer));
+        is_finest = grid.resolution() >= 0.99 * sample.separating_resolution();
         store = pass.run(grid, sample.count_cells(grid), result);
     }
     stages.end();

@@ -15,8 +15,11 @@ namespace hewer::rsimp {
 /// own, and vertex attributes are added in one more pass over the vertices.
 /// Fills report.input and report.grid.
 /// Throws FormatError if no usable triangle is found.
+///
+/// @param finer      factor on the number of cells that the target calls for.
+/// @param is_finest  set if no grid could separate more of the input's vertices.
 cluster::CellStore cluster_input(ooc::Context& context, MeshSource& source,
-                                 const SimplifyOptions& options, StageLog& stages,
-                                 SimplifyReport& report);
+                                 const SimplifyOptions& options, double finer, StageLog& stages,
+                                 SimplifyReport& report, bool& is_finest);
 
 }  // namespace hewer::rsimp

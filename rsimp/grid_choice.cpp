@@ -53,7 +53,8 @@ double target_error(const Target& target, const Bounds& bounds) {
 }
 
 double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
-                         const cluster::CellSample& sample, std::uint64_t n_input_faces) {
+                         const cluster::CellSample& sample, std::uint64_t n_input_faces,
+                         double finer) {
     if (!(longest_side(bounds) > 0)) return 1;  // all vertices in one place
     if (options.cell_size) return resolution_of_cell(*options.cell_size, bounds, "--cell");
     if (options.method == Method::Full) return sample.separating_resolution();
@@ -61,6 +62,7 @@ double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
     const double error = target_error(finest, bounds);
     if (error > 0) return resolution_of_cell(error / kCellsPerError, bounds, "--error");
     const double wanted =
+        finer *
         std::max(kFewestCells, kCellsPerVertex * target_vertices(finest, n_input_faces));
     return sample.resolution_for(wanted);
 }

@@ -26,10 +26,12 @@ double target_vertices(const Target& target, std::uint64_t n_input_faces);
 /// Error bound of a target in model units; 0 for budgets.
 double target_error(const Target& target, const Bounds& bounds);
 
-/// Cells along the longest side of the box, for the methods Refine and Full and for a given cell size.
+/// Cells along the longest side of the box, for the methods Refine and Full and for a given cell size;
+/// `finer` times the usual number of cells for Refine.
 /// Throws InvalidArgument if the cell size or the error bound is too small for 2^20 cells.
 double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
-                         const cluster::CellSample& sample, std::uint64_t n_input_faces);
+                         const cluster::CellSample& sample, std::uint64_t n_input_faces,
+                         double finer);
 
 /// Refuses what contradicts itself or leaves its range: InvalidArgument.
 void check_options(const SimplifyOptions& options);

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "hewer/version.h"
@@ -36,6 +37,10 @@ const std::vector<ooc::StageWeight> kStages{{"bounds", 1}, {"vertices", 2}, {"sa
 
 // With fewer cells than this times the clusters wanted, the collapse begins with the cells themselves.
 constexpr double kWorthRefining = 1.3;
+// Triangles that the collapse must at least begin with, for each that is asked for.
+constexpr double kEnoughTriangles = 1.25;
+// Cells of the next grid for each cell of one that was too coarse.
+constexpr double kFinerGrid = 4;
 // The first splits of an error-bound run stop at this part of the bound; the collapse uses up the rest.
 constexpr double kErrorShareOfTree = 0.5;
 // How far the fans of a cut vertex move towards their own neighbours, so that sheets do not touch.
@@ -47,23 +52,103 @@ Priority priority_of(const SimplifyOptions& options, bool is_error_run) {
                                                               : Priority::Quadric;
 }
 
-Clusters make_clusters(ooc::Context& context, cluster::CellStore& store,
-                       const SimplifyOptions& options, StageLog& stages, SimplifyReport& report) {
-    stages.begin("refine", 0, "clusters");
-    if (options.method == Method::Uniform) return clusters_from_cells(context, store);
-    const Target& finest = options.targets.front();
-    const double error = target_error(finest, report.input.bounds);
-    const double cell = store.grid.cell_size(store.lattice);
-    const double wanted =
-        std::ceil(kClustersPerVertex * target_vertices(finest, report.input.triangles));
-    if (error == 0 && wanted * kWorthRefining >= static_cast<double>(store.codes.size())) {
-        return clusters_from_cells(context, store);
+/// A budget in triangles; 0 for error bounds and where everything goes out.
+double budget(const SimplifyOptions& options, const SimplifyReport& report) {
+    if (options.targets.empty()) return 0;
+    return 2 * target_vertices(options.targets.front(), report.input.triangles);
+}
+
+/// The cell triples as triples of clusters, those left out that have collapsed.
+ooc::Array<CellTriple> surviving_triples(ooc::Context& context, const cluster::CellStore& store,
+                                         const Clusters& clusters) {
+    const auto map = [&](const CellTriple& t) -> CellTriple {
+        return {clusters.cluster_of_cell[t[0]], clusters.cluster_of_cell[t[1]],
+                clusters.cluster_of_cell[t[2]]};
+    };
+    const auto survives = [](const CellTriple& t) {
+        return t[0] != t[1] && t[1] != t[2] && t[0] != t[2];
+    };
+    std::uint64_t n = 0;
+    for (const CellTriple& t : store.triangles) n += survives(map(t)) ? 1U : 0U;
+    ooc::Array<CellTriple> triples(context.budget(), "cluster triples", n);
+    n = 0;
+    for (const CellTriple& t : store.triangles) {
+        const CellTriple mapped = map(t);
+        if (survives(mapped)) triples[n++] = mapped;
     }
-    Refiner refiner(context, store, priority_of(options, error > 0));
-    Clusters clusters = error > 0 ? refiner.refine_to_key(kErrorShareOfTree * error / cell)
-                                  : refiner.refine_to_count(static_cast<std::uint64_t>(wanted));
-    report.refined_clusters = clusters.size();
-    return clusters;
+    return triples;
+}
+
+/// What the collapse begins with.
+struct StartMesh {
+    Clusters clusters;
+    ManifoldMesh manifold;
+};
+
+StartMesh build_start_mesh(ooc::Context& context, const cluster::CellStore& store,
+                           Clusters clusters) {
+    const ooc::Array<CellTriple> triples = surviving_triples(context, store, clusters);
+    const bool is_closed = store.n_border_cells == 0;
+    ManifoldMesh manifold =
+        build_manifold(context, triples.span(), clusters.positions.span(), is_closed);
+    return {std::move(clusters), std::move(manifold)};
+}
+
+/// Refines until the mesh has enough triangles for the collapse to choose from. How many a cluster
+/// brings is known only afterwards: two on a closed surface, next to none where thin parts or many
+/// small components vanish in their clusters.
+StartMesh refine_to_budget(ooc::Context& context, cluster::CellStore& store,
+                           const SimplifyOptions& options, StageLog& stages,
+                           const SimplifyReport& report) {
+    const double triangles = budget(options, report);
+    const auto n_cells = static_cast<double>(store.codes.size());
+    double wanted = std::ceil(kClustersPerVertex * triangles / 2);
+    stages.begin("refine", 0, "clusters");
+    std::optional<Refiner> refiner;
+    for (;;) {
+        const bool is_all = wanted * kWorthRefining >= n_cells;
+        if (!is_all && !refiner) refiner.emplace(context, store, priority_of(options, false));
+        StartMesh start = build_start_mesh(
+            context, store,
+            is_all && !refiner ? clusters_from_cells(context, store)
+                               : refiner->refine_to_count(static_cast<std::uint64_t>(
+                                     is_all ? n_cells : wanted)));
+        const auto n = static_cast<double>(start.manifold.triangles.size());
+        if (is_all || n >= kEnoughTriangles * triangles) return start;
+        wanted *= std::clamp(kClustersPerVertex * triangles / std::max(n, 1.0), 1.5, 8.0);
+    }
+}
+
+StartMesh make_start_mesh(ooc::Context& context, cluster::CellStore& store,
+                          const SimplifyOptions& options, StageLog& stages,
+                          const SimplifyReport& report) {
+    if (options.method == Method::Uniform) {
+        stages.begin("mesh", 0, "triangles");
+        return build_start_mesh(context, store, clusters_from_cells(context, store));
+    }
+    const double error = target_error(options.targets.front(), report.input.bounds);
+    if (error == 0) return refine_to_budget(context, store, options, stages, report);
+    stages.begin("refine", 0, "clusters");
+    Refiner refiner(context, store, priority_of(options, true));
+    const double cell = store.grid.cell_size(store.lattice);
+    return build_start_mesh(context, store, refiner.refine_to_key(kErrorShareOfTree * error / cell));
+}
+
+/// Clusters the input, on a finer grid again if the first one has swallowed so much (parts thinner than
+/// a cell, thousands of small components) that the budget cannot be met from it.
+StartMesh cluster_and_refine(ooc::Context& context, MeshSource& source,
+                             const SimplifyOptions& options, StageLog& stages,
+                             cluster::CellStore& store, SimplifyReport& report) {
+    const bool is_given = options.cell_size || options.method == Method::Full;
+    for (double finer = 1;; finer *= kFinerGrid) {
+        bool is_finest = false;
+        store = cluster_input(context, source, options, finer, stages, report, is_finest);
+        StartMesh start = make_start_mesh(context, store, options, stages, report);
+        const double triangles = budget(options, report);
+        const auto n = static_cast<double>(start.manifold.triangles.size());
+        const bool is_enough = n >= kEnoughTriangles * triangles;
+        if (is_enough || is_finest || is_given || options.method == Method::Uniform) return start;
+    }
 }
 
 /// Gives every vertex of the manifold mesh its cluster's place and quadric. Vertices that share a
@@ -163,18 +248,14 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const Simp
     report.options.n_threads = context.n_threads();
     StageLog stages(context, [&] { return source.bytes_read(); });
 
-    cluster::CellStore store = cluster_input(context, source, options, stages, report);
-    Clusters clusters = make_clusters(context, store, options, stages, report);
+    cluster::CellStore store;
+    StartMesh start_mesh =
+        cluster_and_refine(context, source, options, stages, store, report);
+    Clusters& clusters = start_mesh.clusters;
+    ManifoldMesh& manifold = start_mesh.manifold;
+    report.refined_clusters = clusters.size();
     store.cells.release();
     store.attributes.release();
-
-    stages.begin("mesh", 0, "");
-    for (auto& t : store.triangles) {
-        for (auto& id : t) id = clusters.cluster_of_cell[id];
-    }
-    const bool is_closed = store.n_border_cells == 0;
-    ManifoldMesh manifold =
-        build_manifold(context, store.triangles.span(), clusters.positions.span(), is_closed);
     store.triangles.release();
     if (manifold.triangles.empty()) {
         throw InvalidArgument(source.info().name +
