@@ -30,8 +30,8 @@ struct Corner {
 /// One worker's view of the pass.
 class Accumulator {
   public:
-    Accumulator(ooc::Context& context, const UniformGrid& grid, CellTable& table, TripleList& triples,
-                bool with_face_normals)
+    Accumulator(ooc::Context& context, const UniformGrid& grid, CellTable& table,
+                TripleList& triples, bool with_face_normals)
         : budget_(context.budget()),
           grid_(grid),
           fixed_(grid.resolution()),
@@ -87,9 +87,9 @@ class Accumulator {
             const auto q = quantized(p);
             std::array<std::uint32_t, 3> chord;  // w - u for the corner v of (u, v, w)
             for (std::size_t i = 0; i < 3; ++i) {
-                chord[i] = static_cast<std::uint32_t>(
-                    grid_.quantized(next[i], fixed_.border_bits) -
-                    grid_.quantized(previous[i], fixed_.border_bits));
+                chord[i] =
+                    static_cast<std::uint32_t>(grid_.quantized(next[i], fixed_.border_bits) -
+                                               grid_.quantized(previous[i], fixed_.border_bits));
                 one.border[i] = chord[i];
             }
             for (std::size_t i = 0; i < 3; ++i) {
@@ -129,14 +129,15 @@ class Accumulator {
     [[nodiscard]] Vec3 offset(const LatticePoint& p) const {
         return {grid_.offset(p[0]), grid_.offset(p[1]), grid_.offset(p[2])};
     }
-    /// Place relative to the centre of the point's own cell, in 2^-border_bits cells; modulo 2^32, as
-    /// all arithmetic on borders.
+    /// Place relative to the centre of the point's own cell, in 2^-border_bits cells; modulo 2^32,
+    /// as all arithmetic on borders.
     [[nodiscard]] std::array<std::uint32_t, 3> quantized(const LatticePoint& p) const {
         const unsigned bits = fixed_.border_bits;
         const auto mask = (1U << bits) - 1;
         std::array<std::uint32_t, 3> q;
         for (std::size_t i = 0; i < 3; ++i) {
-            q[i] = (static_cast<std::uint32_t>(grid_.quantized(p[i], bits)) & mask) - (1U << bits) / 2;
+            q[i] =
+                (static_cast<std::uint32_t>(grid_.quantized(p[i], bits)) & mask) - (1U << bits) / 2;
         }
         return q;
     }
@@ -174,7 +175,8 @@ AccumulateResult accumulate(ooc::Context& context, const AccumulateInput& input,
 
     input.source.begin_triangles();
     context.workers().on_each([&](unsigned worker) {
-        Accumulator accumulator(context, input.grid, table, result.triples[worker], with_face_normals);
+        Accumulator accumulator(context, input.grid, table, result.triples[worker],
+                                with_face_normals);
         TriangleBatch batch;
         while (input.source.next_triangles(batch)) {
             std::array<Corner, 3> t;

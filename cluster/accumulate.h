@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Lindstrom's out-of-core simplification (OoCS), first half: one pass over the triangles gathers the
-/// quadrics of the cells and keeps the triangles whose corners are in three different cells.
+/// Lindstrom's out-of-core simplification (OoCS), first half: one pass over the triangles gathers
+/// the quadrics of the cells and keeps the triangles whose corners are in three different cells.
 #pragma once
 
 #include <array>
@@ -58,14 +58,14 @@ struct AccumulateInput {
     const Bounds& bounds;         ///< checked for soups
 };
 
-/// Per triangle: its plane, weighted by a third of its area, goes to the cell of each corner (a triangle
-/// inside one cell brings its whole area), so that the quadrics of all cells add up to the surface's.
-/// Degenerate triangles bring no plane but take part in borders and connectivity, so that a closed
-/// surface stays closed.
+/// Per triangle: its plane, weighted by a third of its area, goes to the cell of each corner (a
+/// triangle inside one cell brings its whole area), so that the quadrics of all cells add up to the
+/// surface's. Degenerate triangles bring no plane but take part in borders and connectivity, so
+/// that a closed surface stays closed.
 ///
-/// One pass, all workers. Unlike the paper: area instead of area-squared weights, border sums, exact
-/// integer sums, and duplicates are left to the consumer of the triples.
-/// Throws: what the source throws, OutOfMemoryBudget, Cancelled.
+/// One pass, all workers. Unlike the paper: area instead of area-squared weights, border sums,
+/// exact integer sums, and duplicates are left to the consumer of the triples. Throws: what the
+/// source throws, OutOfMemoryBudget, Cancelled.
 AccumulateResult accumulate(ooc::Context& context, const AccumulateInput& input, CellTable& table,
                             bool with_face_normals);
 

@@ -4,13 +4,17 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 namespace hewer::cluster {
 
 namespace {
 
-constexpr std::uint64_t kWanted = 100'000;
-constexpr unsigned kBoxShift = 25;  // 128 boxes an axis: thousands on any surface
+constexpr std::uint64_t kWanted = 200'000;
+constexpr unsigned kBoxShift = 25;
+constexpr double kBoxes = 128;  // along an axis: thousands on any surface
+// Width of the bracket, as a share of its lower end, at which interpolation takes over.
+constexpr double kFineEnough = 0.3;
 constexpr double kSeparating = 0.6;
 
 std::uint64_t mix(std::uint64_t x) {
@@ -58,7 +62,8 @@ double CellSample::separating_resolution() const {
     // Coincident and nearly coincident vertices never separate; the rest must.
     const double enough = 0.995 * count_positions();
     double resolution = 256;
-    while (resolution < UniformGrid::kMaxResolution && count_cells(UniformGrid(resolution)) < enough) {
+    while (resolution < UniformGrid::kMaxResolution &&
+           count_cells(UniformGrid(resolution)) < enough) {
         resolution *= 2;
     }
     return resolution;
@@ -66,16 +71,42 @@ double CellSample::separating_resolution() const {
 
 double CellSample::resolution_for(double wanted) const {
     if (wanted >= kSeparating * count_positions()) return separating_resolution();
-    // Cells on a surface grow with the square of the resolution: Newton's method on the logarithms with
-    // that slope.
-    double resolution = std::sqrt(std::max(1.0, wanted)) / 2;
-    for (int i = 0; i < 8; ++i) {
-        resolution = std::clamp(resolution, 1.0, UniformGrid::kMaxResolution);
-        const double n = std::max(1.0, count_cells(UniformGrid(resolution)));
-        const double ratio = wanted / n;
-        if (std::fabs(ratio - 1) < 0.02) break;
-        resolution *= std::sqrt(ratio);
+    // Only grids that nest in the boxes are counted without bias: a cell across the wall of a box
+    // would count on both sides. Between them, and below, the count follows a power of the
+    // resolution.
+    std::uint64_t low = 1;  // cells along a box
+    std::uint64_t high = 2;
+    const auto count = [&](std::uint64_t k) {
+        return std::max(1.0, count_cells(UniformGrid(kBoxes * static_cast<double>(k))));
+    };
+    double n_low = count(low);
+    double n_high = count(high);
+    while (n_high < wanted && kBoxes * static_cast<double>(high) < UniformGrid::kMaxResolution) {
+        low = std::exchange(high, 2 * high);
+        n_low = std::exchange(n_high, count(high));
     }
+    while (high - low > 1 && n_low < wanted) {
+        const std::uint64_t middle = (low + high) / 2;
+        if (kBoxes * static_cast<double>(high - low) <
+            kFineEnough * kBoxes * static_cast<double>(low)) {
+            break;
+        }
+        const double n = count(middle);
+        if (n < wanted) {
+            low = middle;
+            n_low = n;
+        } else {
+            high = middle;
+            n_high = n;
+        }
+    }
+    const double power =
+        wanted < n_low
+            ? 2
+            : std::max(0.5, std::log(n_high / n_low) /
+                                std::log(static_cast<double>(high) / static_cast<double>(low)));
+    const double resolution =
+        kBoxes * static_cast<double>(low) * std::pow(wanted / n_low, 1 / power);
     return std::clamp(resolution, 1.0, UniformGrid::kMaxResolution);
 }
 

@@ -12,9 +12,9 @@
 
 namespace hewer::cluster {
 
-/// All points in a pseudo-random choice of boxes in space. Boxes, not points, are chosen: cells are then
-/// seen with all of their points or not at all, and their number scales by the share of the boxes,
-/// without bias. The choice depends on positions only, not on order or threads.
+/// All points in a pseudo-random choice of boxes in space. Boxes, not points, are chosen: cells are
+/// then seen with all of their points or not at all, and their number scales by the share of the
+/// boxes, without bias. The choice depends on positions only, not on order or threads.
 class CellSample {
   public:
     /// For inputs of about `n_points` points; keeps some kWanted of them.
@@ -28,8 +28,8 @@ class CellSample {
     /// Estimated number of cells that all points occupy.
     [[nodiscard]] double count_cells(const UniformGrid& grid) const;
 
-    /// Resolution with an estimate of about `wanted` cells; with more cells wanted than kSeparating of
-    /// what the sampling has, separating_resolution().
+    /// Resolution with an estimate of about `wanted` cells; with more cells wanted than kSeparating
+    /// of what the sampling has, separating_resolution().
     [[nodiscard]] double resolution_for(double wanted) const;
 
     /// Coarsest power of two at which nearly every vertex has a cell of its own.

@@ -19,18 +19,19 @@ struct CodedSlot {
     std::uint32_t unused;
 };
 
-// More border cells than this share: neighbouring triangles disagree about their winding, and the sums
-// that should cancel do not.
+// More border cells than this share: neighbouring triangles disagree about their winding, and the
+// sums that should cancel do not.
 constexpr double kMostBorderCells = 0.5;
 constexpr std::uint64_t kLeastCellsToJudge = 1000;
 constexpr double kVertexNormalScale = 1 << 20;
 
 bool has_border(const CellSums& sums) {
-    return std::any_of(sums.border.begin(), sums.border.end(), [](std::uint32_t x) { return x != 0; });
+    return std::any_of(sums.border.begin(), sums.border.end(),
+                       [](std::uint32_t x) { return x != 0; });
 }
 
-/// The squared distance to the border line through the cell, weighted with the squared length of its
-/// chord: |x X E - M|^2 with chord E and moment M = p X E.
+/// The squared distance to the border line through the cell, weighted with the squared length of
+/// its chord: |x X E - M|^2 with chord E and moment M = p X E.
 Quadric border_quadric(const CellSums& sums, const FixedPoint& fixed) {
     // Every border edge was seen from both of its ends: half of the sum is the chord.
     const double unit = std::ldexp(0.5, -static_cast<int>(fixed.border_bits));
@@ -43,8 +44,8 @@ Quadric border_quadric(const CellSums& sums, const FixedPoint& fixed) {
     const double ee = dot(e, e);
     Quadric q;
     if (!(ee > 0)) return q;  // a hole inside one cell: nothing to hold on to
-    q.a = {ee - e[0] * e[0], -e[0] * e[1],      -e[0] * e[2],
-           ee - e[1] * e[1], -e[1] * e[2],      ee - e[2] * e[2]};
+    q.a = {ee - e[0] * e[0], -e[0] * e[1], -e[0] * e[2],
+           ee - e[1] * e[1], -e[1] * e[2], ee - e[2] * e[2]};
     q.b = -1.0 * cross(e, m);
     q.c = dot(m, m);
     return q;
@@ -61,8 +62,8 @@ CellRecord make_record(const CellSums& sums, const FixedPoint& fixed, double bor
     Vec3 mean{};
     if (area > 0) {
         for (std::size_t i = 0; i < 3; ++i) {
-            mean[i] = std::clamp(value(10 + i) / area, -CellRecord::kMostOffset,
-                                 CellRecord::kMostOffset);
+            mean[i] =
+                std::clamp(value(10 + i) / area, -CellRecord::kMostOffset, CellRecord::kMostOffset);
         }
     }
     CellRecord record{};
@@ -86,7 +87,8 @@ CellAttributes make_attributes(const AttributeSums& sums, const FixedPoint& fixe
     CellAttributes a{};
     for (std::size_t i = 0; i < 3; ++i) {
         a.normal[i] = static_cast<float>(static_cast<double>(sums.normal[i]) / kVertexNormalScale);
-        a.face_normal[i] = static_cast<float>(static_cast<double>(sums.face_normal[i]) / fixed.scale);
+        a.face_normal[i] =
+            static_cast<float>(static_cast<double>(sums.face_normal[i]) / fixed.scale);
     }
     for (std::size_t i = 0; i < 4; ++i) a.color[i] = static_cast<float>(sums.color[i]);
     a.n_colors = static_cast<float>(sums.n_colors);
@@ -120,7 +122,8 @@ void renumber(ooc::Context& context, const ooc::Array<std::uint32_t>& rank,
 }  // namespace
 
 CellStore build_cell_store(ooc::Context& context, const Lattice& lattice, const UniformGrid& grid,
-                           CellTable& table, std::vector<TripleList>& triples, double border_weight) {
+                           CellTable& table, std::vector<TripleList>& triples,
+                           double border_weight) {
     CellStore store;
     store.lattice = lattice;
     store.grid = grid;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// What a grid cell gathers while triangles stream past: exact integer sums, so that their order, the
-/// number of threads and any partial summing change no bit.
+/// What a grid cell gathers while triangles stream past: exact integer sums, so that their order,
+/// the number of threads and any partial summing change no bit.
 #pragma once
 
 #include <algorithm>
@@ -16,16 +16,17 @@ namespace hewer::cluster {
 
 /// Scales of the integer sums of a run; a function of the grid alone.
 ///
-/// Areas are in cell areas and at most resolution^2, so with s bits below the point the sum of 2^16 of
-/// the largest possible triangles still fits into 62 bits; s is capped at 28 (4e-9 of a cell area).
+/// Areas are in cell areas and at most resolution^2, so with s bits below the point the sum of 2^16
+/// of the largest possible triangles still fits into 62 bits; s is capped at 28 (4e-9 of a cell
+/// area).
 struct FixedPoint {
     explicit FixedPoint(double resolution) {
         const int log2_resolution = std::ilogb(std::max(resolution, 1.0)) + 1;
         scale = std::ldexp(1.0, std::min(28, 62 - 16 - 2 * log2_resolution));
         border_bits = static_cast<unsigned>(std::min(8, (29 - log2_resolution) / 2));
     }
-    double scale = 1;         ///< integer units per (cell area * cell^k)
-    unsigned border_bits = 8; ///< border sums count in 2^-border_bits cells
+    double scale = 1;          ///< integer units per (cell area * cell^k)
+    unsigned border_bits = 8;  ///< border sums count in 2^-border_bits cells
 };
 
 /// Integer sums over the triangle corners in one cell. Every corner brings a third of its triangle.
@@ -33,9 +34,9 @@ struct FixedPoint {
 struct CellSums {
     /// Quadric: A (xx xy xz yy yz zz), b, c; then the first moment: area * corner.
     std::array<std::int64_t, 13> surface;
-    /// Signed border sums (Lindstrom & Silva 2001, without connectivity): for the corner v of (u, v, w)
-    /// the vector w - u, and its moment v x (w - u). Around an inner vertex they telescope to zero; at
-    /// a border vertex the chord between its two border neighbours is left. Modulo 2^32.
+    /// Signed border sums (Lindstrom & Silva 2001, without connectivity): for the corner v of (u,
+    /// v, w) the vector w - u, and its moment v x (w - u). Around an inner vertex they telescope to
+    /// zero; at a border vertex the chord between its two border neighbours is left. Modulo 2^32.
     std::array<std::uint32_t, 6> border;
     std::uint32_t is_touched;  ///< a triangle has a corner here (else only unused vertices)
     std::uint32_t lock;
@@ -79,8 +80,8 @@ struct CellContribution {
     std::array<std::int64_t, 13> surface{};
     std::array<std::uint32_t, 6> border{};
 
-    /// Adds a plane with unit normal n and area `weight` that passes through the points whose mean is
-    /// `at` (relative to the cell's centre, in cells).
+    /// Adds a plane with unit normal n and area `weight` that passes through the points whose mean
+    /// is `at` (relative to the cell's centre, in cells).
     void add_plane(const FixedPoint& fixed, const Vec3& n, double weight, const Vec3& at) {
         const double w = weight * fixed.scale;
         const double d = dot(n, at);

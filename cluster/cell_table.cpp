@@ -40,7 +40,8 @@ bool CellTable::has_room(std::uint64_t n_cells) const {
 
 void CellTable::ensure_room(std::uint64_t n_cells) {
     if (n_cells >= kNone) {
-        throw InvalidArgument("the grid has more than 4,294,967,294 occupied cells; use a larger cell");
+        throw InvalidArgument(
+            "the grid has more than 4,294,967,294 occupied cells; use a larger cell");
     }
     if (static_cast<double>(n_cells) > kLoad * static_cast<double>(keys_.size())) {
         const std::uint64_t capacity = capacity_for(n_cells);
@@ -86,7 +87,9 @@ CellTable::Admission::Admission(CellTable& table, std::uint64_t n) : table_(tabl
     }
 }
 
-CellTable::Admission::~Admission() { table_.admitted_.fetch_sub(n_); }
+CellTable::Admission::~Admission() {
+    table_.admitted_.fetch_sub(n_);
+}
 
 std::uint32_t CellTable::find_or_insert(CellKey key) {
     const std::uint64_t wanted = key + 1;

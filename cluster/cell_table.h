@@ -14,19 +14,19 @@
 
 namespace hewer::cluster {
 
-/// A concurrent hash table from cell keys to slots 0, 1, 2, ..., and the sums of each slot. Which slot a
-/// key gets depends on the threads' timing: nothing may be derived from slot numbers.
+/// A concurrent hash table from cell keys to slots 0, 1, 2, ..., and the sums of each slot. Which
+/// slot a key gets depends on the threads' timing: nothing may be derived from slot numbers.
 ///
-/// Memory: 136 bytes a cell for the sums (88 more with attributes), 17 to 34 for the table, in steps of
-/// kChunk cells; while it grows the old table is held as well.
+/// Memory: 136 bytes a cell for the sums (88 more with attributes), 17 to 34 for the table, in
+/// steps of kChunk cells; while it grows the old table is held as well.
 class CellTable {
   public:
     static constexpr std::uint32_t kNone = 0xffffffffU;
 
     CellTable(ooc::Context& context, std::uint64_t expected_cells, bool has_attributes);
 
-    /// Room for `n` new cells: call before a batch of find_or_insert() and keep the result until the
-    /// batch is over; the table does not move meanwhile.
+    /// Room for `n` new cells: call before a batch of find_or_insert() and keep the result until
+    /// the batch is over; the table does not move meanwhile.
     class Admission {
       public:
         Admission(CellTable& table, std::uint64_t n);

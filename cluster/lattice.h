@@ -13,9 +13,9 @@ namespace hewer::cluster {
 /// A position in steps of Lattice::step() from its origin.
 using LatticePoint = std::array<std::uint32_t, 3>;
 
-/// 2^32 - 2 steps along the longest side of the box, the same step on all axes: 2.3e-10 of the extent
-/// everywhere, whatever the distance to the model's own origin. Integers make equal positions equal,
-/// differences exact and sums independent of their order.
+/// 2^32 - 2 steps along the longest side of the box, the same step on all axes: 2.3e-10 of the
+/// extent everywhere, whatever the distance to the model's own origin. Integers make equal
+/// positions equal, differences exact and sums independent of their order.
 class Lattice {
   public:
     Lattice() = default;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Error quadrics: the weighted sum of squared distances to planes (and border lines) as a function of
-/// the point. Garland & Heckbert 1997; area weights.
+/// Error quadrics: the weighted sum of squared distances to planes (and border lines) as a function
+/// of the point. Garland & Heckbert 1997; area weights.
 #pragma once
 
 #include <array>
@@ -42,12 +42,13 @@ struct Eigen3 {
     std::array<Vec3, 3> vectors{};
 };
 
-/// Cyclic Jacobi: slow but exact to rounding, and only + - * / sqrt, so equal bits on every machine.
+/// Cyclic Jacobi: slow but exact to rounding, and only + - * / sqrt, so equal bits on every
+/// machine.
 Eigen3 eigen_decomposition(const Symmetric3& m);
 
-/// The point that minimises `q` as seen from `mean` (same coordinates): directions in which the quadric
-/// says next to nothing (eigenvalue <= kSingular of the largest) stay at the mean. Lindstrom 2000,
-/// section 3.1, with the mean in place of the cell's centre.
+/// The point that minimises `q` as seen from `mean` (same coordinates): directions in which the
+/// quadric says next to nothing (eigenvalue <= kSingular of the largest) stay at the mean.
+/// Lindstrom 2000, section 3.1, with the mean in place of the cell's centre.
 Vec3 minimum_from(const Quadric& q, const Eigen3& eigen, const Vec3& mean);
 
 /// Relative eigenvalue below which a direction counts as undetermined.

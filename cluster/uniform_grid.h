@@ -17,8 +17,8 @@ using CellKey = std::uint64_t;
 
 /// Cells along the longest side may be any real number from 1 to kMaxResolution.
 ///
-/// A lattice coordinate x is at x * multiplier / 2^fraction_bits cells: one 64-bit product holds the
-/// cell index above the point and the place in the cell below it, without rounding.
+/// A lattice coordinate x is at x * multiplier / 2^fraction_bits cells: one 64-bit product holds
+/// the cell index above the point and the place in the cell below it, without rounding.
 class UniformGrid {
   public:
     static constexpr double kMaxResolution = 1 << 20;
@@ -49,7 +49,8 @@ class UniformGrid {
     /// Place along one axis relative to the centre of its cell, in cells: -0.5 .. 0.5.
     [[nodiscard]] double offset(std::uint32_t x) const {
         const std::uint64_t mask = (1ULL << fraction_bits_) - 1;
-        return static_cast<double>(static_cast<std::int64_t>((x * multiplier_) & mask)) * to_units_ -
+        return static_cast<double>(static_cast<std::int64_t>((x * multiplier_) & mask)) *
+                   to_units_ -
                0.5;
     }
     /// Place along one axis in 2^-bits cells, an integer.

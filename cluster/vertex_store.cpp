@@ -28,8 +28,9 @@ constexpr double kNormalScale = 1 << 20;
 }  // namespace
 
 void throw_outside_bounds(const MeshSource& source, const std::string& what) {
-    throw FormatError(source.info().name + ": " + what +
-                      " lies outside of the given --bounds; leave the option out to have the box found");
+    throw FormatError(
+        source.info().name + ": " + what +
+        " lies outside of the given --bounds; leave the option out to have the box found");
 }
 
 Bounds scan_bounds(ooc::Context& context, MeshSource& source, InputDefects& defects) {
@@ -106,22 +107,22 @@ VertexStore load_vertices(ooc::Context& context, MeshSource& source, const Bound
 void assign_cells(ooc::Context& context, VertexStore& vertices, const UniformGrid& grid,
                   CellTable& table) {
     constexpr std::uint64_t kGrain = 8192;
-    context.workers().for_ranges(
-        vertices.points.size(), kGrain, [&](std::uint64_t begin, std::uint64_t end) {
-            const CellTable::Admission admission(table, end - begin);
-            CellKey last_key = ~0ULL;  // no key: keys have 63 bits
-            std::uint32_t last_slot = 0;
-            for (std::uint64_t v = begin; v < end; ++v) {
-                if (!vertices.is_finite(v)) continue;
-                const CellKey key = grid.key(vertices.points[v]);
-                if (key != last_key) {
-                    last_key = key;
-                    last_slot = table.find_or_insert(key);
-                }
-                vertices.cells[v] = last_slot;
-            }
-            context.advance(end - begin);
-        });
+    context.workers().for_ranges(vertices.points.size(), kGrain,
+                                 [&](std::uint64_t begin, std::uint64_t end) {
+                                     const CellTable::Admission admission(table, end - begin);
+                                     CellKey last_key = ~0ULL;  // no key: keys have 63 bits
+                                     std::uint32_t last_slot = 0;
+                                     for (std::uint64_t v = begin; v < end; ++v) {
+                                         if (!vertices.is_finite(v)) continue;
+                                         const CellKey key = grid.key(vertices.points[v]);
+                                         if (key != last_key) {
+                                             last_key = key;
+                                             last_slot = table.find_or_insert(key);
+                                         }
+                                         vertices.cells[v] = last_slot;
+                                     }
+                                     context.advance(end - begin);
+                                 });
 }
 
 void add_vertex_attributes(ooc::Context& context, MeshSource& source, const VertexStore& vertices,

@@ -14,7 +14,8 @@
 namespace hewer::cluster {
 
 /// The box of all finite vertices (corners, for a soup): one pass over the vertices (triangles).
-/// Defects met on the way are merged into `defects`. Throws FormatError if there is no finite vertex.
+/// Defects met on the way are merged into `defects`. Throws FormatError if there is no finite
+/// vertex.
 Bounds scan_bounds(ooc::Context& context, MeshSource& source, InputDefects& defects);
 
 /// Memory: 16 bytes a vertex.
@@ -28,8 +29,8 @@ struct VertexStore {
     }
 };
 
-/// One pass over the vertices. Throws FormatError if one lies outside `bounds` (they were given by the
-/// user, then).
+/// One pass over the vertices. Throws FormatError if one lies outside `bounds` (they were given by
+/// the user, then).
 VertexStore load_vertices(ooc::Context& context, MeshSource& source, const Bounds& bounds,
                           const Lattice& lattice);
 

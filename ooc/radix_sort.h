@@ -10,8 +10,8 @@
 
 namespace hewer::ooc {
 
-/// Sorts `records` by key(record) (64-bit), using `scratch` of the same size; the result is in `records`.
-/// Digits that are equal in all keys cost one counting pass for all of them together.
+/// Sorts `records` by key(record) (64-bit), using `scratch` of the same size; the result is in
+/// `records`. Digits that are equal in all keys cost one counting pass for all of them together.
 template <typename Record, typename Key>
 void radix_sort(Array<Record>& records, Array<Record>& scratch, const Key& key) {
     constexpr unsigned kDigitBits = 11;

@@ -6,7 +6,6 @@
 
 namespace hewer::rsimp {
 
-
 namespace {
 
 // A cell without area still has a place.
@@ -64,8 +63,7 @@ double priority(const ClusterSums& sums, const Vec3& vertex, Priority kind) {
         case Priority::Quadric:
             return std::max(0.0, sums.quadric.error(vertex));
         case Priority::NormalVariation:
-            return std::max(0.0,
-                            sums.area - std::sqrt(dot(sums.face_normal, sums.face_normal)));
+            return std::max(0.0, sums.area - std::sqrt(dot(sums.face_normal, sums.face_normal)));
         case Priority::Displacement:
             return farthest_corner(sums.low, sums.high, vertex);
     }

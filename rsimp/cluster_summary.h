@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// What a cluster of cells amounts to: its quadric, its representative vertex, how badly it fits, and
-/// where to split it.
+/// What a cluster of cells amounts to: its quadric, its representative vertex, how badly it fits,
+/// and where to split it.
 #pragma once
 
 #include <array>
@@ -19,8 +19,8 @@ enum class Priority {
     Displacement,     ///< farthest that the representative can be from an original vertex
 };
 
-/// Sums over the cells of a cluster; adding them one by one in subrange order is the only order used,
-/// so floating point does no harm here.
+/// Sums over the cells of a cluster; adding them one by one in subrange order is the only order
+/// used, so floating point does no harm here.
 struct ClusterSums {
     cluster::Quadric quadric;  ///< relative to the frame's origin
     double weight = 0;         ///< area, a little more than zero for every cell
@@ -45,16 +45,16 @@ struct SplitPlane {
     double offset = 0;
 };
 
-/// The vertex that stands for the cluster: the quadric's minimum as seen from the mean, clamped to the
-/// box of the cells.
+/// The vertex that stands for the cluster: the quadric's minimum as seen from the mean, clamped to
+/// the box of the cells.
 Vec3 representative(const ClusterSums& sums, const cluster::Eigen3& eigen);
 
 double priority(const ClusterSums& sums, const Vec3& vertex, Priority kind);
 
-/// Splits across the direction that promises most: among the eigenvectors of A the one with the largest
-/// product of normal variation along it and squared extent, through the weighted mean. For a curved
-/// patch that is the error each direction contributes to the quadric; a flat patch is halved where it is
-/// longest; two sheets in one cluster are separated where they are far apart.
+/// Splits across the direction that promises most: among the eigenvectors of A the one with the
+/// largest product of normal variation along it and squared extent, through the weighted mean. For
+/// a curved patch that is the error each direction contributes to the quadric; a flat patch is
+/// halved where it is longest; two sheets in one cluster are separated where they are far apart.
 SplitPlane split_plane(const ClusterSums& sums, const cluster::Eigen3& eigen);
 
 /// Distance from `point` to the farthest corner of a box.

@@ -14,8 +14,8 @@ using cluster::CellTriple;
 
 namespace {
 
-// Components are looked for in clusters of at most this many cells: larger ones will be split anyway,
-// and the work per cell stays bounded.
+// Components are looked for in clusters of at most this many cells: larger ones will be split
+// anyway, and the work per cell stays bounded.
 constexpr std::uint32_t kMostCellsForComponents = 512;
 
 }  // namespace
@@ -31,7 +31,8 @@ void ClusterTree::move_cells_to_frame(CellStore& store) const {
         CellRecord& cell = store.cells[i];
         const Vec3 center = store.center(cell.id);
         for (std::size_t k = 0; k < 3; ++k) {
-            cell.mean[k] = static_cast<float>(center[k] - origin[k] + static_cast<double>(cell.mean[k]));
+            cell.mean[k] =
+                static_cast<float>(center[k] - origin[k] + static_cast<double>(cell.mean[k]));
         }
     }
 }
@@ -67,8 +68,7 @@ void ClusterTree::add_node(const TreeContext& context, const ClusterNode& subran
     const ClusterSums sums =
         sum(context.store, node, context.priority == Priority::NormalVariation);
     const cluster::Eigen3 eigen = cluster::eigen_decomposition(sums.quadric.a);
-    node.key = std::min(parent_key,
-                        priority(sums, representative(sums, eigen), context.priority));
+    node.key = std::min(parent_key, priority(sums, representative(sums, eigen), context.priority));
     node.plane = split_plane(sums, eigen);
     nodes_.push_back(node);
 }
@@ -100,8 +100,9 @@ void ClusterTree::split(const TreeContext& context, std::uint32_t index) {
     const std::uint32_t middle = node.is_disconnected ? partition_by_components(context, node)
                                                       : partition_by_plane(context, node);
 
-    // Faces: separated ones first, then those with two corners in the first child, then in the second.
-    // A face with its third corner outside, or in the other child, belongs where its other two are.
+    // Faces: separated ones first, then those with two corners in the first child, then in the
+    // second. A face with its third corner outside, or in the other child, belongs where its other
+    // two are.
     CellTriple* faces = context.store.triangles.data() + first_face_;
     const auto side = [&](std::uint32_t id) -> int {
         const std::uint64_t at = context.position[id];
@@ -113,9 +114,9 @@ void ClusterTree::split(const TreeContext& context, std::uint32_t index) {
         for (const std::uint32_t id : face) ++count[static_cast<std::size_t>(side(id))];
         return count[1] >= 2 ? 1 : (count[2] >= 2 ? 2 : 0);
     };
-    std::uint32_t low = node.face_begin;   // [face_begin, low): separated
-    std::uint32_t mid = node.face_begin;   // [low, mid): first child
-    std::uint32_t high = node.face_end;    // [high, face_end): second child
+    std::uint32_t low = node.face_begin;  // [face_begin, low): separated
+    std::uint32_t mid = node.face_begin;  // [low, mid): first child
+    std::uint32_t high = node.face_end;   // [high, face_end): second child
     while (mid < high) {
         switch (child_of(faces[mid])) {
             case 0:
@@ -220,8 +221,8 @@ std::uint32_t ClusterTree::partition_by_components(const TreeContext& context,
     for (std::uint32_t i = 0; i < n; ++i) {
         while (labels_[labels_[i]] != labels_[i]) labels_[i] = labels_[labels_[i]];
     }
-    // Components in the order of their lowest cell id, which no partition changes; the first half of
-    // them becomes the first child.
+    // Components in the order of their lowest cell id, which no partition changes; the first half
+    // of them becomes the first child.
     const CellRecord* cells = &context.store.cells[first_cell_ + node.cell_begin];
     std::vector<std::uint32_t> lowest(n, std::numeric_limits<std::uint32_t>::max());
     for (std::uint32_t i = 0; i < n; ++i) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// The cluster tree of one block of the cell store, RSimp-style: clusters are split in two, and cells and
-/// faces are partitioned in place, so that every cluster owns a contiguous subrange of either
-/// (Brodsky & Watson 2000; Choudhury & Watson 2002).
+/// The cluster tree of one block of the cell store, RSimp-style: clusters are split in two, and
+/// cells and faces are partitioned in place, so that every cluster owns a contiguous subrange of
+/// either (Brodsky & Watson 2000; Choudhury & Watson 2002).
 #pragma once
 
 #include <cstdint>
@@ -19,9 +19,9 @@ struct ClusterNode {
     SplitPlane plane;
     std::uint32_t cell_begin = 0;
     std::uint32_t cell_end = 0;
-    /// Faces with at least two corners in this cluster. After a split those come first whose corners
-    /// the split has separated (they stay for good), then the faces of the first child, then of the
-    /// second.
+    /// Faces with at least two corners in this cluster. After a split those come first whose
+    /// corners the split has separated (they stay for good), then the faces of the first child,
+    /// then of the second.
     std::uint32_t face_begin = 0;
     std::uint32_t face_end = 0;
     std::uint32_t first_child = 0;  ///< children are first_child and first_child + 1; 0: a leaf
@@ -36,9 +36,9 @@ struct TreeContext {
     Priority priority = Priority::Quadric;
 };
 
-/// A tree over the cells [first_cell, last_cell) of the store, a run of Morton order, and over the faces
-/// that have at least two corners among them. Blocks are independent of each other: what they share is
-/// only the threshold down to which they are split.
+/// A tree over the cells [first_cell, last_cell) of the store, a run of Morton order, and over the
+/// faces that have at least two corners among them. Blocks are independent of each other: what they
+/// share is only the threshold down to which they are split.
 class ClusterTree {
   public:
     ClusterTree(std::uint64_t first_cell, std::uint64_t last_cell)
@@ -50,8 +50,8 @@ class ClusterTree {
         last_face_ = last;
     }
 
-    /// Splits every leaf whose key is above `threshold`, and their children. May be called again with a
-    /// lower threshold. One thread; permutes this block's cells and faces only.
+    /// Splits every leaf whose key is above `threshold`, and their children. May be called again
+    /// with a lower threshold. One thread; permutes this block's cells and faces only.
     void grow(const TreeContext& context, double threshold);
 
     [[nodiscard]] const std::vector<ClusterNode>& nodes() const { return nodes_; }
@@ -61,8 +61,9 @@ class ClusterTree {
     /// Where the block's coordinates start, in cells from the lattice origin: the centre of a cell.
     [[nodiscard]] Vec3 frame_origin(const cluster::CellStore& store) const;
 
-    /// Calls visit(node) for each cluster of the cut at `threshold`: nodes that are not split or whose
-    /// key is not above it. First children first, so that neighbours get neighbouring numbers.
+    /// Calls visit(node) for each cluster of the cut at `threshold`: nodes that are not split or
+    /// whose key is not above it. First children first, so that neighbours get neighbouring
+    /// numbers.
     template <typename Visit>
     void for_each_cluster(double threshold, const Visit& visit) const {
         if (nodes_.empty()) return;

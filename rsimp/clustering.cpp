@@ -79,8 +79,9 @@ void check_strict(const MeshSource& source, const SimplifyOptions& options,
                   const InputDefects& defects) {
     if (!options.strict) return;
     if (defects.degenerate_triangles > 0) {
-        throw FormatError(source.info().name + ": " + std::to_string(defects.degenerate_triangles) +
-                          " triangles have no area; leave --strict out to have them counted instead");
+        throw FormatError(
+            source.info().name + ": " + std::to_string(defects.degenerate_triangles) +
+            " triangles have no area; leave --strict out to have them counted instead");
     }
 }
 
@@ -103,7 +104,8 @@ void warn_of(ooc::Context& context, const MeshSource& source, const InputDefects
 class Pass {
   public:
     Pass(ooc::Context& context, MeshSource& source, const SimplifyOptions& options,
-         const Lattice& lattice, const Bounds& bounds, VertexStore& vertices, SimplifyReport& report)
+         const Lattice& lattice, const Bounds& bounds, VertexStore& vertices,
+         SimplifyReport& report)
         : context_(context),
           source_(source),
           options_(options),
@@ -151,10 +153,10 @@ class Pass {
     SimplifyReport& report_;
 };
 
-/// The uniform method's grid: a closed surface has twice as many triangles as vertices, so the number of
-/// occupied cells tells what will come out before a triangle is read.
-UniformGrid choose_uniform_grid(Pass& pass, const SimplifyOptions& options, const CellSample& sample,
-                                const SourceInfo& info, double& cells) {
+/// The uniform method's grid: a closed surface has twice as many triangles as vertices, so the
+/// number of occupied cells tells what will come out before a triangle is read.
+UniformGrid choose_uniform_grid(Pass& pass, const SimplifyOptions& options,
+                                const CellSample& sample, const SourceInfo& info, double& cells) {
     const double most = target_vertices(options.targets.front(), info.n_faces);
     cells = kUniformAim * most;
     double resolution = sample.resolution_for(cells);

@@ -18,7 +18,9 @@ namespace hewer::rsimp {
 namespace {
 
 constexpr std::uint8_t kStale = 1;    // the proposal must be made anew
-constexpr std::uint8_t kTouched = 2;  // the corner list may hold dead faces
+constexpr std::uint8_t kReview = 2;   // a neighbour has moved: its edge may be better now
+constexpr std::uint8_t kTouched = 4;  // the corner list may hold dead faces
+constexpr std::uint8_t kMoved = 8;    // merged in the last round
 constexpr float kNoCost = std::numeric_limits<float>::infinity();
 constexpr std::uint64_t kGrain = 2048;
 
@@ -29,10 +31,14 @@ constexpr double kLeastRoundShare = 0.01;
 // About one proposal in three is the best of its neighbourhood.
 constexpr double kProposalsPerCollapse = 3;
 
-// Pull towards the area-weighted mean of the two ends, relative to the quadric's trace: decides where the
-// planes do not. On a flat patch it keeps triangles even.
+// Rounds without a collapse after which the mesh counts as finished.
+constexpr int kMostIdleRounds = 8;
+
+// Pull towards the area-weighted mean of the two ends, relative to the quadric's trace: decides
+// where the planes do not. On a flat patch it keeps triangles even.
 constexpr double kPull = 1e-3;
-// Cost of an edge's length, relative to trace times squared length: among equals the shortest goes first.
+// Cost of an edge's length, relative to trace times squared length: among equals the shortest goes
+// first.
 constexpr double kLengthCost = 1e-6;
 // A face may turn by at most acos(0.2), 78 degrees, in one collapse.
 constexpr double kLeastCosine = 0.2;
@@ -63,6 +69,9 @@ struct EdgeCollapse::Scratch {
     std::vector<std::uint32_t> around_u;  // neighbours: inner ones twice, border ones once
     std::vector<std::uint32_t> around_v;
     std::vector<std::uint32_t> opposite;  // third corners of the faces at the edge
+    std::vector<std::uint32_t> larger;
+    std::vector<std::uint32_t> faces_w;
+    std::vector<std::uint32_t> around_w;
     std::vector<std::pair<double, std::uint32_t>> edges;
 };
 
@@ -70,12 +79,14 @@ EdgeCollapse::EdgeCollapse(ooc::Context& context, CollapseMesh mesh)
     : context_(context),
       mesh_(std::move(mesh)),
       n_triangles_(mesh_.triangles.size()),
-      n_vertices_(mesh_.positions.size()),
+      n_vertices_(mesh_.vertices.size()),
       next_corner_(context.budget(), "corner lists", 3 * n_triangles_),
       first_corner_(context.budget(), "corner lists", n_vertices_),
       parent_(context.budget(), "collapse parents", n_vertices_),
       proposals_(context.budget(), "proposals", n_vertices_),
       claims_(context.budget(), "claims", n_vertices_),
+      changed_(context.budget(), "rounds", n_vertices_),
+      checked_(context.budget(), "rounds", n_vertices_),
       marks_(context.budget(), "marks", n_vertices_),
       live_(context.budget(), "live vertices", n_vertices_),
       n_live_(n_vertices_) {
@@ -156,17 +167,20 @@ bool has_single(const std::vector<std::uint32_t>& around) {
     });
 }
 
-bool contains(const CellTriple& t, std::uint32_t v) { return t[0] == v || t[1] == v || t[2] == v; }
+bool contains(const CellTriple& t, std::uint32_t v) {
+    return t[0] == v || t[1] == v || t[2] == v;
+}
 
 }  // namespace
 
-bool EdgeCollapse::keeps_type(std::uint32_t u, std::uint32_t v, const Scratch& s) const {
+bool EdgeCollapse::keeps_type(std::uint32_t v, Scratch& s) const {
     if (s.opposite.empty() || s.opposite.size() > 2) return false;
     // Link condition: the only neighbours in common are the third corners of the faces at the edge.
     std::size_t n_common = 0;
     for (std::size_t i = 0; i < s.around_u.size(); ++i) {
         const std::uint32_t w = s.around_u[i];
-        if (w == v || std::find(s.around_v.begin(), s.around_v.end(), w) == s.around_v.end()) continue;
+        if (w == v || std::find(s.around_v.begin(), s.around_v.end(), w) == s.around_v.end())
+            continue;
         const auto seen = s.around_u.begin() + static_cast<std::ptrdiff_t>(i);
         if (std::find(s.around_u.begin(), seen, w) == seen) ++n_common;
     }
@@ -174,15 +188,12 @@ bool EdgeCollapse::keeps_type(std::uint32_t u, std::uint32_t v, const Scratch& s
     // Two border vertices joined by an inner edge: the surface would be pinched.
     if (s.opposite.size() == 2 && has_single(s.around_u) && has_single(s.around_v)) return false;
     // The third corners lose a face: what is left around them must still be a fan.
-    std::vector<std::uint32_t> faces;
-    std::vector<std::uint32_t> around;
     for (const std::uint32_t w : s.opposite) {
-        gather_ring(w, faces);
-        if (faces.size() >= 4) continue;
-        gather_neighbours(mesh_.triangles, faces, w, around);
-        if (faces.size() < (has_single(around) ? 2U : 4U)) return false;
+        gather_ring(w, s.faces_w);
+        if (s.faces_w.size() >= 4) continue;
+        gather_neighbours(mesh_.triangles, s.faces_w, w, s.around_w);
+        if (s.faces_w.size() < (has_single(s.around_w) ? 2U : 4U)) return false;
     }
-    (void)u;
     return true;
 }
 
@@ -195,10 +206,10 @@ double EdgeCollapse::shape_penalty(std::uint32_t u, std::uint32_t v, const Vec3&
             const CellTriple& t = mesh_.triangles[f];
             if (contains(t, other)) continue;
             const std::size_t i = t[0] == moved ? 0 : (t[1] == moved ? 1 : 2);
-            const Vec3& a = mesh_.positions[t[(i + 1) % 3]];
-            const Vec3& b = mesh_.positions[t[(i + 2) % 3]];
+            const Vec3& a = mesh_.vertices[t[(i + 1) % 3]].position;
+            const Vec3& b = mesh_.vertices[t[(i + 2) % 3]].position;
             const Vec3 ab = b - a;
-            const Vec3 before = cross(ab, mesh_.positions[moved] - a);
+            const Vec3 before = cross(ab, mesh_.vertices[moved].position - a);
             const Vec3 xa = x - a;
             const Vec3 after = cross(ab, xa);
             const double length_before = std::sqrt(dot(before, before));
@@ -247,23 +258,21 @@ Vec3 pulled_minimum(const cluster::Quadric& q, const Vec3& anchor) {
 struct EdgeQuadric {
     cluster::Quadric quadric;
     Vec3 optimum{};
+    Vec3 low{};
+    Vec3 high{};
     double length_cost = 0;
 
-    EdgeQuadric(const CollapseMesh& mesh, std::uint32_t u, std::uint32_t v) {
-        quadric = mesh.quadrics[u];
-        quadric += mesh.quadrics[v];
-        const double wu = mesh.quadrics[u].trace() + 1e-12;
-        const double wv = mesh.quadrics[v].trace() + 1e-12;
-        const Vec3& pu = mesh.positions[u];
-        const Vec3& pv = mesh.positions[v];
-        optimum = pulled_minimum(quadric, (1 / (wu + wv)) * (wu * pu + wv * pv));
-        const auto& bu = mesh.boxes[u];
-        const auto& bv = mesh.boxes[v];
+    EdgeQuadric(const CollapseVertex& u, const CollapseVertex& v) : quadric(u.quadric) {
+        quadric += v.quadric;
+        const double wu = u.quadric.trace() + 1e-12;
+        const double wv = v.quadric.trace() + 1e-12;
+        optimum = pulled_minimum(quadric, (1 / (wu + wv)) * (wu * u.position + wv * v.position));
         for (std::size_t i = 0; i < 3; ++i) {
-            optimum[i] = std::clamp(optimum[i], static_cast<double>(std::min(bu[i], bv[i])),
-                                    static_cast<double>(std::max(bu[3 + i], bv[3 + i])));
+            low[i] = static_cast<double>(std::min(u.box[i], v.box[i]));
+            high[i] = static_cast<double>(std::max(u.box[3 + i], v.box[3 + i]));
+            optimum[i] = std::min(std::max(optimum[i], low[i]), high[i]);
         }
-        const Vec3 edge = pv - pu;
+        const Vec3 edge = v.position - u.position;
         length_cost = kLengthCost * (wu + wv) * dot(edge, edge);
     }
     [[nodiscard]] double cost(const Vec3& x) const {
@@ -271,26 +280,18 @@ struct EdgeQuadric {
     }
 };
 
-double displacement(const CollapseMesh& mesh, std::uint32_t u, std::uint32_t v, const Vec3& x) {
-    Vec3 low;
-    Vec3 high;
-    for (std::size_t i = 0; i < 3; ++i) {
-        low[i] = static_cast<double>(std::min(mesh.boxes[u][i], mesh.boxes[v][i]));
-        high[i] = static_cast<double>(std::max(mesh.boxes[u][3 + i], mesh.boxes[v][3 + i]));
-    }
-    return farthest_corner(low, high, x);
-}
-
 }  // namespace
 
 std::optional<EdgeCollapse::Placement> EdgeCollapse::place(std::uint32_t u, std::uint32_t v,
-                                                           Scratch& scratch) const {
-    const EdgeQuadric edge(mesh_, u, v);
-    const Vec3& pu = mesh_.positions[u];
-    const Vec3& pv = mesh_.positions[v];
+                                                           const Scratch& scratch) const {
+    const EdgeQuadric edge(mesh_.vertices[u], mesh_.vertices[v]);
+    const Vec3& pu = mesh_.vertices[u].position;
+    const Vec3& pv = mesh_.vertices[v].position;
     std::optional<Placement> best;
     const auto consider = [&](const Vec3& x) {
-        if (most_displacement_ && displacement(mesh_, u, v, x) > *most_displacement_) return;
+        if (most_displacement_ && farthest_corner(edge.low, edge.high, x) > *most_displacement_) {
+            return;
+        }
         const double cost = edge.cost(x);
         if (best && cost >= best->cost) return;
         const double penalized = cost * shape_penalty(u, v, x, scratch);
@@ -305,55 +306,100 @@ std::optional<EdgeCollapse::Placement> EdgeCollapse::place(std::uint32_t u, std:
     return best;
 }
 
+void EdgeCollapse::gather_edge(std::uint32_t u, std::uint32_t v, Scratch& s) const {
+    gather_ring(u, s.faces_u);
+    gather_ring(v, s.faces_v);
+    gather_neighbours(mesh_.triangles, s.faces_u, u, s.around_u);
+    gather_neighbours(mesh_.triangles, s.faces_v, v, s.around_v);
+    s.opposite.clear();
+    for (const std::uint32_t f : s.faces_u) {
+        const CellTriple& t = mesh_.triangles[f];
+        if (contains(t, v)) s.opposite.push_back(t[0] ^ t[1] ^ t[2] ^ u ^ v);
+    }
+}
+
+/// Each once: an edge is proposed by its smaller vertex.
+void EdgeCollapse::gather_larger_neighbours(std::uint32_t u, Scratch& s) const {
+    s.larger.clear();
+    std::uint32_t corner = first_corner_[u];
+    const std::uint32_t start = corner;
+    do {
+        const CellTriple& t = mesh_.triangles[corner / 3];
+        for (const std::uint32_t v : t) {
+            if (v > u && v != kNoIndex &&
+                std::find(s.larger.begin(), s.larger.end(), v) == s.larger.end()) {
+                s.larger.push_back(v);
+            }
+        }
+        corner = next_corner_[corner];
+    } while (corner != start);
+}
+
+/// The cheapest edge to a larger neighbour, by the quadric alone. Most proposals never come up, so
+/// whether the edge can be collapsed is asked only when one does.
 void EdgeCollapse::propose(std::uint32_t u, Scratch& s) {
     Proposal best{kNoCost, kNoIndex};
-    gather_ring(u, s.faces_u);
-    gather_neighbours(mesh_.triangles, s.faces_u, u, s.around_u);
+    gather_larger_neighbours(u, s);
+    for (const std::uint32_t v : s.larger) {
+        const EdgeQuadric edge(mesh_.vertices[u], mesh_.vertices[v]);
+        const auto cost = static_cast<float>(edge.cost(edge.optimum));
+        if (cost < best.cost || (cost == best.cost && v < best.partner)) best = {cost, v};
+    }
+    proposals_[u] = best;
+    checked_[u] = 0;
+}
+
+/// Only edges to neighbours that have moved can have become better than the one proposed.
+void EdgeCollapse::review(std::uint32_t u, Scratch& s) {
+    Proposal best = proposals_[u];
+    gather_larger_neighbours(u, s);
+    for (const std::uint32_t v : s.larger) {
+        if ((marks_[v] & kMoved) == 0) continue;
+        const EdgeQuadric edge(mesh_.vertices[u], mesh_.vertices[v]);
+        const auto cost = static_cast<float>(edge.cost(edge.optimum));
+        if (cost < best.cost || (cost == best.cost && v < best.partner)) {
+            best = {cost, v};
+            checked_[u] = 0;
+        }
+    }
+    proposals_[u] = best;
+}
+
+/// Makes the proposal one that can be carried out: of all edges to larger neighbours the cheapest,
+/// with penalties, whose collapse is possible.
+void EdgeCollapse::check(std::uint32_t u, Scratch& s) {
+    Proposal best{kNoCost, kNoIndex};
+    gather_larger_neighbours(u, s);
     s.edges.clear();
-    for (std::size_t i = 0; i < s.around_u.size(); ++i) {
-        const std::uint32_t v = s.around_u[i];
-        // Each edge is proposed by its smaller vertex.
-        if (v < u) continue;
-        const auto seen = s.around_u.begin() + static_cast<std::ptrdiff_t>(i);
-        if (std::find(s.around_u.begin(), seen, v) != seen) continue;
-        const EdgeQuadric edge(mesh_, u, v);
+    for (const std::uint32_t v : s.larger) {
+        const EdgeQuadric edge(mesh_.vertices[u], mesh_.vertices[v]);
         s.edges.emplace_back(edge.cost(edge.optimum), v);
     }
     std::sort(s.edges.begin(), s.edges.end());
     for (const auto& [cost, v] : s.edges) {
         if (cost >= static_cast<double>(best.cost)) break;  // penalties only raise costs
-        gather_ring(v, s.faces_v);
-        gather_neighbours(mesh_.triangles, s.faces_v, v, s.around_v);
-        s.opposite.clear();
-        for (const std::uint32_t f : s.faces_u) {
-            const CellTriple& t = mesh_.triangles[f];
-            if (contains(t, v)) s.opposite.push_back(t[0] ^ t[1] ^ t[2] ^ u ^ v);
-        }
-        if (!keeps_type(u, v, s)) continue;
+        gather_edge(u, v, s);
+        if (!keeps_type(v, s)) continue;
         const auto placement = place(u, v, s);
         if (placement && placement->cost < static_cast<double>(best.cost)) {
             best = {static_cast<float>(placement->cost), v};
         }
     }
     proposals_[u] = best;
+    checked_[u] = round_;
 }
 
 void EdgeCollapse::collapse(std::uint32_t u, std::uint32_t v, Scratch& s) {
     const auto placement = place(u, v, s);
-    mesh_.quadrics[u] += mesh_.quadrics[v];
+    CollapseVertex& kept = mesh_.vertices[u];
+    const CollapseVertex& gone = mesh_.vertices[v];
+    kept.quadric += gone.quadric;
     for (std::size_t i = 0; i < 3; ++i) {
-        mesh_.boxes[u][i] = std::min(mesh_.boxes[u][i], mesh_.boxes[v][i]);
-        mesh_.boxes[u][3 + i] = std::max(mesh_.boxes[u][3 + i], mesh_.boxes[v][3 + i]);
+        kept.box[i] = std::min(kept.box[i], gone.box[i]);
+        kept.box[3 + i] = std::max(kept.box[3 + i], gone.box[3 + i]);
     }
-    mesh_.positions[u] = placement->position;
-    if (!mesh_.attributes.empty()) {
-        auto& a = mesh_.attributes[u];
-        const auto& b = mesh_.attributes[v];
-        for (std::size_t i = 0; i < 3; ++i) a.normal[i] += b.normal[i];
-        for (std::size_t i = 0; i < 3; ++i) a.face_normal[i] += b.face_normal[i];
-        for (std::size_t i = 0; i < 4; ++i) a.color[i] += b.color[i];
-        a.n_colors += b.n_colors;
-    }
+    kept.position = placement->position;
+    if (!mesh_.attributes.empty()) mesh_.attributes[u] += mesh_.attributes[v];
     for (const std::uint32_t f : s.faces_v) {
         CellTriple& t = mesh_.triangles[f];
         if (contains(t, u)) {
@@ -367,38 +413,48 @@ void EdgeCollapse::collapse(std::uint32_t u, std::uint32_t v, Scratch& s) {
     // Two circular lists become one by exchanging the successors of one corner of each.
     std::swap(next_corner_[first_corner_[u]], next_corner_[first_corner_[v]]);
     parent_[v] = u;
-    mark(marks_[u], kStale | kTouched);
+    mark(marks_[u], kStale | kTouched | kMoved);
+    const auto change = [&](std::uint32_t w) {
+        std::atomic_ref<std::uint32_t>(changed_[w]).store(round_, std::memory_order_relaxed);
+    };
+    change(u);
     for (const auto* around : {&s.around_u, &s.around_v}) {
         for (const std::uint32_t w : *around) {
-            if (w != u && w != v) mark(marks_[w], kStale | kTouched);
+            if (w == u || w == v) continue;
+            const Proposal& p = proposals_[w];
+            const bool is_lost = p.partner == u || p.partner == v || p.cost == kNoCost;
+            mark(marks_[w], kTouched | (is_lost ? kStale : kReview));
+            change(w);
         }
     }
 }
 
-std::uint64_t EdgeCollapse::round(const CollapseTarget& target) {
-    ooc::Workers& workers = context_.workers();
-    workers.for_ranges(n_live_, kGrain, [&](std::uint64_t begin, std::uint64_t end) {
+void EdgeCollapse::refresh_proposals() {
+    context_.workers().for_ranges(n_live_, kGrain, [&](std::uint64_t begin, std::uint64_t end) {
         for (std::uint64_t i = begin; i < end; ++i) {
             const std::uint32_t u = live_[i];
-            if ((marks_[u] & kTouched) != 0) {
-                prune(u);
-                marks_[u] &= static_cast<std::uint8_t>(~kTouched);
-            }
+            if ((marks_[u] & kTouched) != 0) prune(u);
             claims_[u] = std::numeric_limits<std::uint64_t>::max();
         }
     });
-    workers.for_ranges(n_live_, kGrain, [&](std::uint64_t begin, std::uint64_t end) {
+    context_.workers().for_ranges(n_live_, kGrain, [&](std::uint64_t begin, std::uint64_t end) {
         Scratch scratch;
         for (std::uint64_t i = begin; i < end; ++i) {
             const std::uint32_t u = live_[i];
-            if ((marks_[u] & kStale) == 0) continue;
-            propose(u, scratch);
-            marks_[u] = 0;
+            if ((marks_[u] & kStale) != 0) {
+                propose(u, scratch);
+            } else if ((marks_[u] & kReview) != 0) {
+                review(u, scratch);
+            }
         }
     });
+    for (std::uint64_t i = 0; i < n_live_; ++i) marks_[live_[i]] = 0;
+}
 
-    // The cost below which proposals may be carried out: a quantile, from a histogram of the leading bits
-    // of the costs, which are in the order of the numbers.
+/// The cost, as bits, up to which proposals may be carried out in this round: a quantile, from a
+/// histogram of the leading bits of the costs, which are in the order of the numbers. 0: there is
+/// no proposal.
+std::uint64_t EdgeCollapse::cost_bound(std::uint64_t needed) const {
     constexpr unsigned kShift = 15;
     std::vector<std::uint32_t> histogram(1U << (32 - kShift));
     std::uint64_t n_proposals = 0;
@@ -409,99 +465,113 @@ std::uint64_t EdgeCollapse::round(const CollapseTarget& target) {
         ++n_proposals;
     }
     if (n_proposals == 0) return 0;
-    const auto excess = [](std::uint64_t have, std::uint64_t most) {
-        return have > most ? have - most : 0;
-    };
-    const std::uint64_t needed = std::max((excess(n_triangles_, target.most_triangles) + 1) / 2,
-                                          excess(n_vertices_, target.most_vertices));
     const double share = std::clamp(
         kProposalsPerCollapse * static_cast<double>(needed) / static_cast<double>(n_proposals),
         kLeastRoundShare, kRoundShare);
     const auto wanted = static_cast<std::uint64_t>(share * static_cast<double>(n_proposals)) + 1;
     std::uint64_t sum = 0;
-    std::uint32_t bucket = 0;
+    std::uint64_t bucket = 0;
     while ((sum += histogram[bucket]) < wanted) ++bucket;
-    const std::uint64_t bound = (static_cast<std::uint64_t>(bucket) + 1) << kShift;
-    const auto is_cheap = [&](float cost) { return std::bit_cast<std::uint32_t>(cost) < bound; };
+    return (bucket + 1) << kShift;
+}
 
-    const auto gather_edge = [&](std::uint32_t u, std::uint32_t v, Scratch& s) {
-        gather_ring(u, s.faces_u);
-        gather_ring(v, s.faces_v);
-        gather_neighbours(mesh_.triangles, s.faces_u, u, s.around_u);
-        gather_neighbours(mesh_.triangles, s.faces_v, v, s.around_v);
-        s.opposite.clear();
-        for (const std::uint32_t f : s.faces_u) {
-            const CellTriple& t = mesh_.triangles[f];
-            if (contains(t, v)) s.opposite.push_back(t[0] ^ t[1] ^ t[2] ^ u ^ v);
-        }
-    };
-    // Claims: all that a collapse reads or writes goes to its best claimant.
-    workers.for_ranges(n_live_, kGrain, [&](std::uint64_t begin, std::uint64_t end) {
+namespace {
+
+bool is_cheap(float cost, std::uint64_t bound) {
+    return std::bit_cast<std::uint32_t>(cost) < bound;
+}
+
+}  // namespace
+
+/// All that a collapse reads or writes goes to its best claimant.
+void EdgeCollapse::claim_neighbourhoods(std::uint64_t bound) {
+    context_.workers().for_ranges(n_live_, kGrain, [&](std::uint64_t begin, std::uint64_t end) {
         Scratch s;
         for (std::uint64_t i = begin; i < end; ++i) {
             const std::uint32_t u = live_[i];
-            const Proposal proposal = proposals_[u];
-            if (proposal.cost == kNoCost || !is_cheap(proposal.cost)) continue;
-            gather_edge(u, proposal.partner, s);
-            // The partner's surroundings may have changed since the proposal was made.
-            if (!keeps_type(u, proposal.partner, s) || !place(u, proposal.partner, s)) {
-                mark(marks_[u], kStale);
-                continue;
+            if (!is_cheap(proposals_[u].cost, bound)) continue;
+            if (!is_checked(u)) {
+                check(u, s);
+                if (!is_cheap(proposals_[u].cost, bound)) continue;
             }
-            const std::uint64_t key = claim_key(proposal.cost, u);
+            gather_edge(u, proposals_[u].partner, s);
+            const std::uint64_t key = claim_key(proposals_[u].cost, u);
             for (const std::uint32_t w : s.around_u) claim(claims_[w], key);
             for (const std::uint32_t w : s.around_v) claim(claims_[w], key);
         }
+        context_.check_stop();
     });
-    // A winner holds both ends and the third corners: then no end of another winner is among its
-    // neighbours, and no vertex loses faces to two of them.
+}
+
+/// Proposals that hold both of their ends: then no end of another winner is among their neighbours.
+std::vector<std::uint64_t> EdgeCollapse::find_winners(std::uint64_t bound) const {
     std::vector<std::uint64_t> winners;
     for (std::uint64_t i = 0; i < n_live_; ++i) {
         const std::uint32_t u = live_[i];
         const Proposal proposal = proposals_[u];
-        if (proposal.cost == kNoCost || !is_cheap(proposal.cost) || (marks_[u] & kStale) != 0) continue;
+        if (!is_cheap(proposal.cost, bound)) continue;
         const std::uint64_t key = claim_key(proposal.cost, u);
         if (claims_[u] == key && claims_[proposal.partner] == key) winners.push_back(key);
     }
     std::sort(winners.begin(), winners.end());
+    return winners;
+}
+
+std::uint64_t EdgeCollapse::carry_out(const std::vector<std::uint64_t>& winners,
+                                      std::uint64_t most) {
     std::atomic<std::uint64_t> removed_faces{0};
     std::atomic<std::uint64_t> removed_vertices{0};
-    const auto apply = [&](std::uint64_t first, std::uint64_t last) {
-        workers.for_ranges(last - first, 64, [&](std::uint64_t begin, std::uint64_t end) {
-            Scratch s;
-            for (std::uint64_t i = begin; i < end; ++i) {
-                const std::uint64_t key = winners[first + i];
-                const auto u = static_cast<std::uint32_t>(key);
-                const std::uint32_t v = proposals_[u].partner;
-                gather_edge(u, v, s);
-                if (std::any_of(s.opposite.begin(), s.opposite.end(),
-                                [&](std::uint32_t w) { return claims_[w] != key; })) {
-                    continue;
-                }
-                collapse(u, v, s);
-                removed_faces.fetch_add(s.opposite.size(), std::memory_order_relaxed);
-                removed_vertices.fetch_add(1, std::memory_order_relaxed);
+    const std::uint64_t n = std::min<std::uint64_t>(winners.size(), most);
+    context_.workers().for_ranges(n, 64, [&](std::uint64_t begin, std::uint64_t end) {
+        Scratch s;
+        for (std::uint64_t i = begin; i < end; ++i) {
+            const std::uint64_t key = winners[i];
+            const auto u = static_cast<std::uint32_t>(key);
+            const std::uint32_t v = proposals_[u].partner;
+            gather_edge(u, v, s);
+            // No vertex may lose faces to two collapses at once.
+            if (std::any_of(s.opposite.begin(), s.opposite.end(),
+                            [&](std::uint32_t w) { return claims_[w] != key; })) {
+                continue;
             }
-        });
-    };
-    apply(0, std::min<std::uint64_t>(winners.size(), needed));
+            collapse(u, v, s);
+            removed_faces.fetch_add(s.opposite.size(), std::memory_order_relaxed);
+            removed_vertices.fetch_add(1, std::memory_order_relaxed);
+        }
+    });
     n_triangles_ -= removed_faces;
     n_vertices_ -= removed_vertices;
+    return removed_vertices;
+}
+
+std::uint64_t EdgeCollapse::round(const CollapseTarget& target) {
+    ++round_;
+    refresh_proposals();
+    const auto excess = [](std::uint64_t have, std::uint64_t most) {
+        return have > most ? have - most : 0;
+    };
+    const std::uint64_t needed = std::max((excess(n_triangles_, target.most_triangles) + 1) / 2,
+                                          excess(n_vertices_, target.most_vertices));
+    const std::uint64_t bound = cost_bound(needed);
+    if (bound == 0) return 0;
+    claim_neighbourhoods(bound);
+    const std::uint64_t n = carry_out(find_winners(bound), needed);
     std::uint64_t kept = 0;
     for (std::uint64_t i = 0; i < n_live_; ++i) {
         if (is_live(live_[i])) live_[kept++] = live_[i];
     }
     n_live_ = kept;
-    return removed_vertices;
+    return n;
 }
 
 std::uint64_t EdgeCollapse::run(const CollapseTarget& target) {
     most_displacement_ = target.most_displacement;
     std::uint64_t n = 0;
-    // A round in which every winner's claim failed is followed by one with fresh proposals; two without
-    // progress mean that there is nothing left to do.
+    // A round may fail to collapse anything because the proposals it looked at turned out to be
+    // impossible; each such round settles some of them. Many in a row mean that nothing is left to
+    // do.
     int idle = 0;
-    while (!is_met(target) && idle < 3) {
+    while (!is_met(target) && idle < kMostIdleRounds) {
         const std::uint64_t done = round(target);
         n += done;
         idle = done == 0 ? idle + 1 : 0;
@@ -539,13 +609,13 @@ std::uint64_t EdgeCollapse::drop_components(const CollapseTarget& target) {
         std::uint32_t& at = index[find(v)];
         if (at == kNoIndex) {
             at = static_cast<std::uint32_t>(components.size());
-            components.push_back({0, find(v), 0, 0, mesh_.boxes[v]});
+            components.push_back({0, find(v), 0, 0, mesh_.vertices[v].box});
         }
         Component& c = components[at];
         ++c.n_vertices;
         for (std::size_t k = 0; k < 3; ++k) {
-            c.box[k] = std::min(c.box[k], mesh_.boxes[v][k]);
-            c.box[3 + k] = std::max(c.box[3 + k], mesh_.boxes[v][3 + k]);
+            c.box[k] = std::min(c.box[k], mesh_.vertices[v].box[k]);
+            c.box[3 + k] = std::max(c.box[3 + k], mesh_.vertices[v].box[3 + k]);
         }
     }
     for (const CellTriple& t : mesh_.triangles) {

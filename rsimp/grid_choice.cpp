@@ -19,7 +19,8 @@ double longest_side(const Bounds& bounds) {
 double resolution_of_cell(double cell, const Bounds& bounds, const char* what) {
     const double resolution = longest_side(bounds) / cell;
     if (resolution > cluster::UniformGrid::kMaxResolution) {
-        throw InvalidArgument(std::string(what) + " is too small for the model: more than 2^20 cells " +
+        throw InvalidArgument(std::string(what) +
+                              " is too small for the model: more than 2^20 cells " +
                               "on its longest side would be needed");
     }
     return std::max(1.0, resolution);
@@ -62,18 +63,19 @@ double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
     const double error = target_error(finest, bounds);
     if (error > 0) return resolution_of_cell(error / kCellsPerError, bounds, "--error");
     const double wanted =
-        finer *
-        std::max(kFewestCells, kCellsPerVertex * target_vertices(finest, n_input_faces));
+        finer * std::max(kFewestCells, kCellsPerVertex * target_vertices(finest, n_input_faces));
     return sample.resolution_for(wanted);
 }
 
 void check_options(const SimplifyOptions& options) {
     const bool is_free_uniform = options.method == Method::Uniform && options.cell_size;
     if (options.targets.empty() && !is_free_uniform) {
-        throw InvalidArgument("no target: give a number of triangles or vertices, a ratio or an error");
+        throw InvalidArgument(
+            "no target: give a number of triangles or vertices, a ratio or an error");
     }
     if (!options.targets.empty() && is_free_uniform) {
-        throw InvalidArgument("with the uniform method a cell size and a target contradict each other");
+        throw InvalidArgument(
+            "with the uniform method a cell size and a target contradict each other");
     }
     if (options.method == Method::Full && options.cell_size) {
         throw InvalidArgument("the full method uses every vertex; a cell size contradicts it");

@@ -10,11 +10,11 @@
 
 namespace hewer::rsimp {
 
-/// Cells per vertex of the finest LOD. More cells see more of the surface and cost time; docs/quality.md
-/// has the measurements.
+/// Cells per vertex of the finest LOD. More cells see more of the surface and cost time;
+/// docs/quality.md has the measurements.
 inline constexpr double kCellsPerVertex = 8;
 /// Even the smallest target gets this many cells: less would save no time worth having.
-inline constexpr double kFewestCells = 250'000;
+inline constexpr double kFewestCells = 50'000;
 /// Clusters per vertex of the finest LOD at which refinement hands over to the edge collapse.
 inline constexpr double kClustersPerVertex = 3;
 /// With an error bound E the cells are at most E / kCellsPerError long.
@@ -26,9 +26,9 @@ double target_vertices(const Target& target, std::uint64_t n_input_faces);
 /// Error bound of a target in model units; 0 for budgets.
 double target_error(const Target& target, const Bounds& bounds);
 
-/// Cells along the longest side of the box, for the methods Refine and Full and for a given cell size;
-/// `finer` times the usual number of cells for Refine.
-/// Throws InvalidArgument if the cell size or the error bound is too small for 2^20 cells.
+/// Cells along the longest side of the box, for the methods Refine and Full and for a given cell
+/// size; `finer` times the usual number of cells for Refine. Throws InvalidArgument if the cell
+/// size or the error bound is too small for 2^20 cells.
 double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
                          const cluster::CellSample& sample, std::uint64_t n_input_faces,
                          double finer);

@@ -20,9 +20,9 @@ struct HalfEdge {
     std::uint32_t id;     ///< 3 * face + corner; forward if it starts at the smaller vertex
 };
 
-/// Calls visit(smaller vertex, group) for each edge, in parallel for different smaller vertices; a group
-/// holds the half-edges of one edge, in order of their ids.
-/// Memory: 24 bytes a triangle and 8 a vertex, while it runs. Precondition: 3 * triangles < 2^32.
+/// Calls visit(smaller vertex, group) for each edge, in parallel for different smaller vertices; a
+/// group holds the half-edges of one edge, in order of their ids. Memory: 24 bytes a triangle and 8
+/// a vertex, while it runs. Precondition: 3 * triangles < 2^32.
 template <typename Visit>
 void for_each_edge(ooc::Context& context, std::span<const cluster::CellTriple> triangles,
                    std::uint64_t n_vertices, const Visit& visit) {

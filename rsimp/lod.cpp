@@ -49,8 +49,8 @@ std::uint16_t to_channel(float sum, float n) {
 /// The live part of the collapse, renumbered.
 struct LodWriter::Gathered {
     ooc::Array<CellTriple> triangles;
-    std::vector<std::uint32_t> vertices;   // collapse vertex of each LOD vertex
-    ooc::Array<std::uint32_t> new_index;   // LOD vertex of each collapse vertex, kNoIndex if none
+    std::vector<std::uint32_t> vertices;  // collapse vertex of each LOD vertex
+    ooc::Array<std::uint32_t> new_index;  // LOD vertex of each collapse vertex, kNoIndex if none
     ooc::Array<std::array<float, 3>> face_normals;  // sums at LOD vertices, if normals go out
 };
 
@@ -61,7 +61,7 @@ void LodWriter::write(MeshSink& sink, LodReport& report) {
     const CollapseMesh& mesh = collapse_.mesh();
     Gathered lod;
     lod.triangles = {context_.budget(), "LOD triangles", collapse_.n_triangles()};
-    const std::uint64_t n_all = mesh.positions.size();
+    const std::uint64_t n_all = mesh.vertices.size();
     lod.new_index = {context_.budget(), "LOD vertices", n_all};
     const ooc::Reservation vertex_bytes =
         context_.budget().reserve("LOD vertices", 12 * collapse_.n_vertices());
@@ -92,7 +92,7 @@ void LodWriter::write(MeshSink& sink, LodReport& report) {
 
     Bounds bounds;
     for (const std::uint32_t v : lod.vertices) {
-        bounds.extend(origin_.store.to_model(origin_.frame + mesh.positions[v]));
+        bounds.extend(origin_.store.to_model(origin_.frame + mesh.vertices[v].position));
     }
     report.bounds = bounds;
     SinkHeader header;
@@ -136,9 +136,9 @@ void LodWriter::send_vertices(MeshSink& sink, const Gathered& lod) {
     if (origin_.has_normals) {
         face_normals.resize(n);
         for (const CellTriple& t : lod.triangles) {
-            const Vec3& p = mesh.positions[lod.vertices[t[0]]];
-            const Vec3 normal = cross(mesh.positions[lod.vertices[t[1]]] - p,
-                                      mesh.positions[lod.vertices[t[2]]] - p);
+            const Vec3& p = mesh.vertices[lod.vertices[t[0]]].position;
+            const Vec3 normal = cross(mesh.vertices[lod.vertices[t[1]]].position - p,
+                                      mesh.vertices[lod.vertices[t[2]]].position - p);
             for (const std::uint32_t v : t) {
                 for (std::size_t i = 0; i < 3; ++i) {
                     face_normals[v][i] += static_cast<float>(normal[i]);
@@ -155,7 +155,7 @@ void LodWriter::send_vertices(MeshSink& sink, const Gathered& lod) {
         colors.clear();
         for (std::uint64_t i = begin; i < std::min(n, begin + kPiece); ++i) {
             const std::uint32_t v = lod.vertices[i];
-            const Vec3 p = origin_.store.to_model(origin_.frame + mesh.positions[v]);
+            const Vec3 p = origin_.store.to_model(origin_.frame + mesh.vertices[v].position);
             for (const double x : p) add_to_hash(std::bit_cast<std::uint64_t>(x));
             positions.push_back(p);
             if (origin_.has_normals) {
@@ -205,11 +205,13 @@ void LodWriter::measure_displacement(const Gathered& lod, LodReport& report) con
                 const Vec3 low = center - Vec3{0.5, 0.5, 0.5};
                 const Vec3 high = center + Vec3{0.5, 0.5, 0.5};
                 bool is_lost = true;
-                for (std::uint32_t v = first[origin_.cluster_of_cell[cell]]; v != kNoIndex; v = next[v]) {
+                for (std::uint32_t v = first[origin_.cluster_of_cell[cell]]; v != kNoIndex;
+                     v = next[v]) {
                     const std::uint32_t now = collapse_.representative(v);
                     if (now == kNoIndex || lod.new_index[now] == streaming::kUnusedVertex) continue;
                     is_lost = false;
-                    local = std::max(local, farthest_corner(low, high, mesh.positions[now]));
+                    local =
+                        std::max(local, farthest_corner(low, high, mesh.vertices[now].position));
                 }
                 if (is_lost) ++lost;
             }

@@ -35,7 +35,8 @@ class LodWriter {
 
     LodWriter(ooc::Context& context, const Origin& origin, const EdgeCollapse& collapse);
 
-    /// Writes the mesh as it is now; fills the counts, bounds, error bound and topology of `report`.
+    /// Writes the mesh as it is now; fills the counts, bounds, error bound and topology of
+    /// `report`.
     void write(MeshSink& sink, LodReport& report);
 
     /// Parents of the LOD written before the last one, in the last one's vertex numbers.

@@ -31,7 +31,9 @@ struct RestOfFace {
     [[nodiscard]] int sign() const { return second < third ? 1 : -1; }
 };
 
-bool is_degenerate(const CellTriple& t) { return t[0] == t[1] || t[1] == t[2] || t[0] == t[2]; }
+bool is_degenerate(const CellTriple& t) {
+    return t[0] == t[1] || t[1] == t[2] || t[0] == t[2];
+}
 
 /// Non-degenerate faces in canonical order, smallest vertex first, multiplicities settled.
 ooc::Array<CellTriple> settle_duplicates(ooc::Context& context, std::span<const CellTriple> triples,
@@ -68,8 +70,8 @@ ooc::Array<CellTriple> settle_duplicates(ooc::Context& context, std::span<const 
                 int sum = 0;
                 while (p != last && p->unwound() == std::pair(low, high)) sum += (p++)->sign();
                 const RestOfFace face = sum > 0 ? RestOfFace{low, high} : RestOfFace{high, low};
-                for (int copies = is_closed ? std::abs(sum) : std::min(1, std::abs(sum)); copies > 0;
-                     --copies) {
+                for (int copies = is_closed ? std::abs(sum) : std::min(1, std::abs(sum));
+                     copies > 0; --copies) {
                     *out++ = face;
                 }
             }
@@ -151,8 +153,9 @@ class EdgePairing {
     std::span<std::uint32_t> opposite_;
 };
 
-/// Walks the fans: one vertex for each, numbered in the order of their first corner. `named` receives
-/// the faces in those numbers, `cluster_of` the cluster of each. Returns the number of vertices.
+/// Walks the fans: one vertex for each, numbered in the order of their first corner. `named`
+/// receives the faces in those numbers, `cluster_of` the cluster of each. Returns the number of
+/// vertices.
 std::uint32_t name_fans(std::span<const CellTriple> faces, std::span<const std::uint32_t> opposite,
                         std::span<CellTriple> named, std::span<std::uint32_t> cluster_of) {
     for (CellTriple& t : named) t = {kNoIndex, kNoIndex, kNoIndex};
@@ -185,37 +188,38 @@ std::uint32_t name_fans(std::span<const CellTriple> faces, std::span<const std::
     return n_vertices;
 }
 
-/// Two sheets that meet along an edge may be one fan around both of its ends: then two edges join the
-/// same two vertices. Cutting along that loop of two edges and closing both sides, which is to exchange
-/// partners, makes two vertices of each end. On a surface that is not orientable it may not: with
-/// `is_stuck` the loops stay open instead. Returns how many loops were cut.
+/// Two sheets that meet along an edge may be one fan around both of its ends: then two edges join
+/// the same two vertices. Cutting along that loop of two edges and closing both sides, which is to
+/// exchange partners, makes two vertices of each end. On a surface that is not orientable it may
+/// not: with `is_stuck` the loops stay open instead. Returns how many loops were cut.
 std::uint64_t cut_double_edges(ooc::Context& context, std::span<const CellTriple> named,
                                std::uint64_t n_vertices, bool is_stuck,
                                std::span<std::uint32_t> opposite) {
     std::atomic<std::uint64_t> n_cut{0};
-    for_each_edge(context, named, n_vertices, [&](std::uint32_t low, std::span<const HalfEdge> group) {
-        if (group.size() < 3) return;
-        if (is_stuck || group.size() == 3) {
-            for (const HalfEdge& h : group) opposite[h.id] = kNoIndex;
+    for_each_edge(
+        context, named, n_vertices, [&](std::uint32_t low, std::span<const HalfEdge> group) {
+            if (group.size() < 3) return;
+            if (is_stuck || group.size() == 3) {
+                for (const HalfEdge& h : group) opposite[h.id] = kNoIndex;
+                n_cut.fetch_add(1, std::memory_order_relaxed);
+                return;
+            }
+            const auto is_forward = [&](std::uint32_t id) { return named[id / 3][id % 3] == low; };
+            const std::uint32_t p = group[0].id;
+            const std::uint32_t q = opposite[p];
             n_cut.fetch_add(1, std::memory_order_relaxed);
-            return;
-        }
-        const auto is_forward = [&](std::uint32_t id) { return named[id / 3][id % 3] == low; };
-        const std::uint32_t p = group[0].id;
-        const std::uint32_t q = opposite[p];
-        n_cut.fetch_add(1, std::memory_order_relaxed);
-        for (const HalfEdge& candidate : group) {
-            const std::uint32_t r = candidate.id;
-            const std::uint32_t s = opposite[r];
-            if (r == p || r == q || s == kNoIndex || q == kNoIndex) continue;
-            if (is_forward(r) != is_forward(p)) continue;
-            opposite[p] = s;
-            opposite[s] = p;
-            opposite[r] = q;
-            opposite[q] = r;
-            return;
-        }
-    });
+            for (const HalfEdge& candidate : group) {
+                const std::uint32_t r = candidate.id;
+                const std::uint32_t s = opposite[r];
+                if (r == p || r == q || s == kNoIndex || q == kNoIndex) continue;
+                if (is_forward(r) != is_forward(p)) continue;
+                opposite[p] = s;
+                opposite[s] = p;
+                opposite[r] = q;
+                opposite[q] = r;
+                return;
+            }
+        });
     return n_cut;
 }
 
@@ -323,8 +327,8 @@ ManifoldMesh build_manifold(ooc::Context& context, std::span<const CellTriple> t
     ooc::Array<std::uint32_t> cluster_of(context.budget(), "fans", 3 * faces.size());
     std::uint32_t n_vertices =
         name_fans(faces.span(), opposite.span(), named.span(), cluster_of.span());
-    // A round makes more vertices, of which there are at most three for each face, or opens edges: this
-    // ends.
+    // A round makes more vertices, of which there are at most three for each face, or opens edges:
+    // this ends.
     bool is_stuck = false;
     while (cut_double_edges(context, named.span(), n_vertices, is_stuck, opposite.span()) > 0) {
         const std::uint32_t before = n_vertices;

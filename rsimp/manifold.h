@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// From triples of clusters to a manifold triangle mesh: duplicates settled, sheets that merely touch
-/// taken apart.
+/// From triples of clusters to a manifold triangle mesh: duplicates settled, sheets that merely
+/// touch taken apart.
 #pragma once
 
 #include <array>
@@ -17,28 +17,29 @@ using cluster::CellTriple;
 
 inline constexpr std::uint32_t kNoIndex = 0xffffffffU;
 
-/// A triangle mesh in which every edge has one or two faces and the faces around every vertex form one
-/// fan.
+/// A triangle mesh in which every edge has one or two faces and the faces around every vertex form
+/// one fan.
 struct ManifoldMesh {
     ooc::Array<CellTriple> triangles;             ///< vertex ids; no repeated, no duplicate face
     ooc::Array<std::uint32_t> cluster_of_vertex;  ///< several vertices may share a cluster
-    std::uint64_t n_cancelled = 0;  ///< faces dropped: opposite pairs and, where not closed, duplicates
+    std::uint64_t n_cancelled =
+        0;  ///< faces dropped: opposite pairs and, where not closed, duplicates
     std::uint64_t n_bubble_faces = 0;  ///< faces of bubbles that folding had pinched off
     std::uint64_t n_cut_vertices = 0;  ///< clusters that became more than one vertex
 };
 
-/// Merging vertices of a surface folds parts of it onto each other. As integer chains (each face with
-/// its winding as sign) the boundary of a closed surface stays zero under merging, so:
+/// Merging vertices of a surface folds parts of it onto each other. As integer chains (each face
+/// with its winding as sign) the boundary of a closed surface stays zero under merging, so:
 ///  - a face and its opposite cancel; this opens nothing. Equally wound copies stay if `is_closed`
 ///    (each is part of some closed sheet), else all but one are dropped as dirt;
 ///  - an edge with more than two faces is where sheets touch: its faces are paired, forward with
-///    backward, the flattest pairs first, and a vertex is made for every fan of faces that is then left
-///    around a cluster. So no edge is opened and no edge keeps more than two faces;
+///    backward, the flattest pairs first, and a vertex is made for every fan of faces that is then
+///    left around a cluster. So no edge is opened and no edge keeps more than two faces;
 ///  - small closed components that share a cluster with a larger one are dropped.
 ///
-/// `triples` are cluster ids; those with repeated ids are skipped. `positions` (by cluster) decide which
-/// pairs are flat. Equal input sets give equal output, whatever their order.
-/// Memory: 60 bytes a triangle on the way.
+/// `triples` are cluster ids; those with repeated ids are skipped. `positions` (by cluster) decide
+/// which pairs are flat. Equal input sets give equal output, whatever their order. Memory: 60 bytes
+/// a triangle on the way.
 ManifoldMesh build_manifold(ooc::Context& context, std::span<const CellTriple> triples,
                             std::span<const Vec3> positions, bool is_closed);
 

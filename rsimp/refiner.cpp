@@ -10,7 +10,6 @@
 
 namespace hewer::rsimp {
 
-using cluster::CellAttributes;
 using cluster::CellStore;
 using cluster::CellTriple;
 using cluster::Quadric;
@@ -37,11 +36,9 @@ std::vector<ClusterTree> make_blocks(const ooc::Array<std::uint64_t>& codes, std
         const int shift = box.shift - 3;
         std::uint64_t last = box.last;
         for (int octant = 7; octant >= 0; --octant) {  // pushed last to first: popped in order
-            const auto begin =
-                std::partition_point(codes.begin() + box.first, codes.begin() + last,
-                                     [&](std::uint64_t code) {
-                                         return static_cast<int>(code >> shift & 7) < octant;
-                                     });
+            const auto begin = std::partition_point(
+                codes.begin() + box.first, codes.begin() + last,
+                [&](std::uint64_t code) { return static_cast<int>(code >> shift & 7) < octant; });
             const auto first = static_cast<std::uint64_t>(begin - codes.begin());
             open.push_back({first, last, shift});
             last = first;
@@ -55,8 +52,8 @@ void sort_faces_into_blocks(ooc::Context& context, CellStore& store,
                             std::vector<ClusterTree>& blocks) {
     ooc::Array<std::uint32_t> block_of(context.budget(), "blocks of cells", store.codes.size());
     for (std::uint32_t b = 0; b < blocks.size(); ++b) {
-        std::fill(block_of.begin() + blocks[b].first_cell(), block_of.begin() + blocks[b].last_cell(),
-                  b);
+        std::fill(block_of.begin() + blocks[b].first_cell(),
+                  block_of.begin() + blocks[b].last_cell(), b);
     }
     const auto owner = [&](const CellTriple& face) -> std::uint64_t {
         const std::uint32_t b0 = block_of[face[0]];
@@ -72,13 +69,6 @@ void sort_faces_into_blocks(ooc::Context& context, CellStore& store,
     ooc::Array<CellTriple> sorted(context.budget(), "triangles by block", store.triangles.size());
     for (const CellTriple& face : store.triangles) sorted[start[owner(face)]++] = face;
     store.triangles = std::move(sorted);
-}
-
-void add(CellAttributes& sum, const CellAttributes& a) {
-    for (std::size_t i = 0; i < 3; ++i) sum.normal[i] += a.normal[i];
-    for (std::size_t i = 0; i < 3; ++i) sum.face_normal[i] += a.face_normal[i];
-    for (std::size_t i = 0; i < 4; ++i) sum.color[i] += a.color[i];
-    sum.n_colors += a.n_colors;
 }
 
 Clusters make_clusters(ooc::Context& context, const CellStore& store, std::uint64_t n) {
@@ -110,7 +100,8 @@ std::array<float, 6> box_around(const Vec3& low, const Vec3& high, const Vec3& s
 }
 
 /// Writes cluster `k` from its sums; `shift` takes the sums' frame to the clusters' origin.
-void store_cluster(Clusters& clusters, std::uint64_t k, const ClusterSums& sums, const Vec3& shift) {
+void store_cluster(Clusters& clusters, std::uint64_t k, const ClusterSums& sums,
+                   const Vec3& shift) {
     const cluster::Eigen3 eigen = cluster::eigen_decomposition(sums.quadric.a);
     clusters.positions[k] = representative(sums, eigen) + shift;
     clusters.quadrics[k] = sums.quadric.relative_to({-shift[0], -shift[1], -shift[2]});
@@ -172,9 +163,9 @@ double Refiner::cut_threshold(std::uint64_t n_clusters) const {
 }
 
 Clusters Refiner::refine_to_count(std::uint64_t n_clusters) {
-    // Keys fall with about the cube of the number of clusters on a smooth surface (area times squared
-    // distance), more slowly on a noisy one. Steps err on the side of too few splits: one round more
-    // costs less than clusters that the cut throws away again.
+    // Keys fall with about the cube of the number of clusters on a smooth surface (area times
+    // squared distance), more slowly on a noisy one. Steps err on the side of too few splits: one
+    // round more costs less than clusters that the cut throws away again.
     grow(std::numeric_limits<double>::infinity());
     double largest = 0;
     for (const ClusterTree& tree : trees_) {
@@ -224,7 +215,7 @@ Clusters Refiner::cut(double threshold) {
                     const std::uint32_t id = store_.cells[tree.first_cell() + c].id;
                     clusters.cluster_of_cell[id] = static_cast<std::uint32_t>(k);
                     if (!clusters.attributes.empty()) {
-                        add(clusters.attributes[k], store_.attributes[id]);
+                        clusters.attributes[k] += store_.attributes[id];
                     }
                 }
                 ++k;

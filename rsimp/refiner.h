@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Refinement of the whole cell store: blocks of cells, each with its cluster tree, split down to one
-/// common threshold.
+/// Refinement of the whole cell store: blocks of cells, each with its cluster tree, split down to
+/// one common threshold.
 #pragma once
 
 #include <cstdint>
@@ -27,14 +27,14 @@ struct Clusters {
     [[nodiscard]] std::uint64_t size() const { return n_clusters; }
 };
 
-/// Best-first refinement without a queue: with keys that never rise towards the leaves, the clusters that
-/// a priority queue would hold after n splits are the cut at the n-th largest key. So blocks grow in
-/// parallel down to a threshold that is lowered until there are enough leaves, and the cut is chosen
-/// exactly among their keys. The result depends on the store only.
+/// Best-first refinement without a queue: with keys that never rise towards the leaves, the
+/// clusters that a priority queue would hold after n splits are the cut at the n-th largest key. So
+/// blocks grow in parallel down to a threshold that is lowered until there are enough leaves, and
+/// the cut is chosen exactly among their keys. The result depends on the store only.
 ///
-/// Blocks are octree boxes (Morton prefixes) of at most kBlockCells cells: small enough for a core's
-/// cache, independent of each other, and the unit that an out-of-core run will load.
-/// Memory: 4 bytes a cell, 80 bytes a tree node (about 2.2 for each cluster asked for), a second copy of
+/// Blocks are octree boxes (Morton prefixes) of at most kBlockCells cells: small enough for a
+/// core's cache, independent of each other, and the unit that an out-of-core run will load. Memory:
+/// 4 bytes a cell, 80 bytes a tree node (about 2.2 for each cluster asked for), a second copy of
 /// the triples while they are sorted into blocks.
 class Refiner {
   public:

@@ -31,17 +31,19 @@ namespace {
 using namespace rsimp;
 
 // Expected shares of the time, for progress.
-const std::vector<ooc::StageWeight> kStages{{"bounds", 1}, {"vertices", 2}, {"sample", 2},
-                                            {"cluster", 8}, {"refine", 8},  {"mesh", 2},
+const std::vector<ooc::StageWeight> kStages{{"bounds", 1},  {"vertices", 2}, {"sample", 2},
+                                            {"cluster", 8}, {"refine", 8},   {"mesh", 2},
                                             {"finish", 12}, {"write", 2}};
 
-// With fewer cells than this times the clusters wanted, the collapse begins with the cells themselves.
+// With fewer cells than this times the clusters wanted, the collapse begins with the cells
+// themselves.
 constexpr double kWorthRefining = 1.3;
 // Triangles that the collapse must at least begin with, for each that is asked for.
 constexpr double kEnoughTriangles = 1.25;
 // Cells of the next grid for each cell of one that was too coarse.
 constexpr double kFinerGrid = 4;
-// The first splits of an error-bound run stop at this part of the bound; the collapse uses up the rest.
+// The first splits of an error-bound run stop at this part of the bound; the collapse uses up the
+// rest.
 constexpr double kErrorShareOfTree = 0.5;
 // How far the fans of a cut vertex move towards their own neighbours, so that sheets do not touch.
 constexpr double kNudge = 0.02;
@@ -110,9 +112,9 @@ StartMesh refine_to_budget(ooc::Context& context, cluster::CellStore& store,
         if (!is_all && !refiner) refiner.emplace(context, store, priority_of(options, false));
         StartMesh start = build_start_mesh(
             context, store,
-            is_all && !refiner ? clusters_from_cells(context, store)
-                               : refiner->refine_to_count(static_cast<std::uint64_t>(
-                                     is_all ? n_cells : wanted)));
+            is_all && !refiner
+                ? clusters_from_cells(context, store)
+                : refiner->refine_to_count(static_cast<std::uint64_t>(is_all ? n_cells : wanted)));
         const auto n = static_cast<double>(start.manifold.triangles.size());
         if (is_all || n >= kEnoughTriangles * triangles) return start;
         wanted *= std::clamp(kClustersPerVertex * triangles / std::max(n, 1.0), 1.5, 8.0);
@@ -131,11 +133,12 @@ StartMesh make_start_mesh(ooc::Context& context, cluster::CellStore& store,
     stages.begin("refine", 0, "clusters");
     Refiner refiner(context, store, priority_of(options, true));
     const double cell = store.grid.cell_size(store.lattice);
-    return build_start_mesh(context, store, refiner.refine_to_key(kErrorShareOfTree * error / cell));
+    return build_start_mesh(context, store,
+                            refiner.refine_to_key(kErrorShareOfTree * error / cell));
 }
 
-/// Clusters the input, on a finer grid again if the first one has swallowed so much (parts thinner than
-/// a cell, thousands of small components) that the budget cannot be met from it.
+/// Clusters the input, on a finer grid again if the first one has swallowed so much (parts thinner
+/// than a cell, thousands of small components) that the budget cannot be met from it.
 StartMesh cluster_and_refine(ooc::Context& context, MeshSource& source,
                              const SimplifyOptions& options, StageLog& stages,
                              cluster::CellStore& store, SimplifyReport& report) {
@@ -157,23 +160,20 @@ CollapseMesh make_collapse_mesh(ooc::Context& context, Clusters& clusters, Manif
     const std::uint64_t n = manifold.cluster_of_vertex.size();
     CollapseMesh mesh;
     mesh.triangles = std::move(manifold.triangles);
-    mesh.positions = {context.budget(), "mesh vertices", n};
-    mesh.quadrics = {context.budget(), "mesh quadrics", n};
-    mesh.boxes = {context.budget(), "mesh boxes", n};
+    mesh.vertices = {context.budget(), "mesh vertices", n};
     if (!clusters.attributes.empty()) mesh.attributes = {context.budget(), "mesh attributes", n};
     ooc::Array<std::uint32_t> n_fans(context.budget(), "fans", clusters.size());
     for (const std::uint32_t c : manifold.cluster_of_vertex) ++n_fans[c];
     for (std::uint64_t v = 0; v < n; ++v) {
         const std::uint32_t c = manifold.cluster_of_vertex[v];
-        mesh.positions[v] = clusters.positions[c];
-        mesh.quadrics[v] = clusters.quadrics[c];
-        mesh.boxes[v] = clusters.boxes[c];
+        CollapseVertex& vertex = mesh.vertices[v];
+        vertex = {clusters.positions[c], clusters.quadrics[c], clusters.boxes[c]};
         if (!mesh.attributes.empty()) mesh.attributes[v] = clusters.attributes[c];
         if (n_fans[c] > 1) {
             const double share = 1.0 / n_fans[c];
-            for (double& x : mesh.quadrics[v].a) x *= share;
-            for (double& x : mesh.quadrics[v].b) x *= share;
-            mesh.quadrics[v].c *= share;
+            for (double& x : vertex.quadric.a) x *= share;
+            for (double& x : vertex.quadric.b) x *= share;
+            vertex.quadric.c *= share;
         }
     }
     if (manifold.n_cut_vertices > 0) {
@@ -183,9 +183,8 @@ CollapseMesh make_collapse_mesh(ooc::Context& context, Clusters& clusters, Manif
                 if (n_fans[manifold.cluster_of_vertex[t[i]]] < 2) continue;
                 for (const std::size_t k : {(i + 1) % 3, (i + 2) % 3}) {
                     for (std::size_t d = 0; d < 3; ++d) {
-                        pull[t[i]][d] +=
-                            clusters.positions[manifold.cluster_of_vertex[t[k]]][d] -
-                            clusters.positions[manifold.cluster_of_vertex[t[i]]][d];
+                        pull[t[i]][d] += clusters.positions[manifold.cluster_of_vertex[t[k]]][d] -
+                                         clusters.positions[manifold.cluster_of_vertex[t[i]]][d];
                     }
                     pull[t[i]][3] += 1;
                 }
@@ -194,7 +193,7 @@ CollapseMesh make_collapse_mesh(ooc::Context& context, Clusters& clusters, Manif
         for (std::uint64_t v = 0; v < n; ++v) {
             if (pull[v][3] == 0) continue;
             for (std::size_t d = 0; d < 3; ++d) {
-                mesh.positions[v][d] += kNudge * pull[v][d] / pull[v][3];
+                mesh.vertices[v].position[d] += kNudge * pull[v][d] / pull[v][3];
             }
         }
     }
@@ -221,8 +220,8 @@ CollapseTarget collapse_target(const Target& target, const SimplifyReport& repor
         case Target::Kind::RelativeError:
             t.most_triangles = 0;
             t.most_vertices = 0;
-            t.most_displacement = target_error(target, report.input.bounds) /
-                                  store.grid.cell_size(store.lattice);
+            t.most_displacement =
+                target_error(target, report.input.bounds) / store.grid.cell_size(store.lattice);
             break;
     }
     return t;
@@ -236,8 +235,9 @@ std::string hex(std::uint64_t value) {
 
 }  // namespace
 
-SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const SimplifyOptions& options,
-                        const Hooks& hooks, const ParentsCallback& parents) {
+SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
+                        const SimplifyOptions& options, const Hooks& hooks,
+                        const ParentsCallback& parents) {
     const auto start = std::chrono::steady_clock::now();
     check_options(options);
     ooc::Context context(options.memory_bytes, options.n_threads, hooks, kStages);
@@ -249,8 +249,7 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const Simp
     StageLog stages(context, [&] { return source.bytes_read(); });
 
     cluster::CellStore store;
-    StartMesh start_mesh =
-        cluster_and_refine(context, source, options, stages, store, report);
+    StartMesh start_mesh = cluster_and_refine(context, source, options, stages, store, report);
     Clusters& clusters = start_mesh.clusters;
     ManifoldMesh& manifold = start_mesh.manifold;
     report.refined_clusters = clusters.size();
@@ -258,8 +257,9 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const Simp
     store.attributes.release();
     store.triangles.release();
     if (manifold.triangles.empty()) {
-        throw InvalidArgument(source.info().name +
-                              ": nothing is left of the surface at this cell size; use a finer one");
+        throw InvalidArgument(
+            source.info().name +
+            ": nothing is left of the surface at this cell size; use a finer one");
     }
     CollapseMesh mesh = make_collapse_mesh(context, clusters, manifold);
     clusters.positions.release();
@@ -321,7 +321,8 @@ Mesh simplify_mesh(const Mesh& mesh, const SimplifyOptions& options, const Hooks
     }
     Mesh result;
     const auto source = view_mesh(mesh);
-    simplify(*source, [&](std::size_t) { return collect_mesh(result); }, options, hooks);
+    simplify(
+        *source, [&](std::size_t) { return collect_mesh(result); }, options, hooks);
     return result;
 }
 

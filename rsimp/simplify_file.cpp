@@ -50,8 +50,9 @@ std::filesystem::path lod_path(const std::filesystem::path& output, std::size_t 
     return output.parent_path() / name;
 }
 
-SimplifyReport simplify_file(const std::filesystem::path& input, const std::filesystem::path& output,
-                             const SimplifyOptions& options, const Hooks& hooks, bool overwrite) {
+SimplifyReport simplify_file(const std::filesystem::path& input,
+                             const std::filesystem::path& output, const SimplifyOptions& options,
+                             const Hooks& hooks, bool overwrite) {
     const std::unique_ptr<MeshSource> source = open_mesh(input, options.strict);
     const std::size_t n = std::max<std::size_t>(1, options.targets.size());
     // All outputs are opened before any work, so that a bad place for them costs nothing.
@@ -60,7 +61,8 @@ SimplifyReport simplify_file(const std::filesystem::path& input, const std::file
         const std::filesystem::path path = lod_path(output, i, n);
         std::error_code ignored;
         if (std::filesystem::equivalent(input, path, ignored)) {
-            throw InvalidArgument(path.string() + ": is the input; choose another name for the output");
+            throw InvalidArgument(path.string() +
+                                  ": is the input; choose another name for the output");
         }
         sinks.push_back(create_mesh_file(path, overwrite));
     }
