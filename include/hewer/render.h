@@ -25,8 +25,10 @@ struct RenderOptions {
 };
 
 /// Orthographic view, flat shading from triangle normals, 2x2 supersampling, written as PNG. Back
-/// faces are drawn in a warning colour, so that flipped triangles and holes show. Memory: 12 bytes
-/// a vertex and 32 bytes a pixel. Throws: FormatError, IoError, OutOfMemoryBudget.
+/// faces are drawn in a warning colour, so that flipped triangles and holes show. Equal options
+/// give equal pictures for any thread count. Azimuth 0 looks from -y (z up) or from +z (y up).
+/// Memory: 12 bytes a vertex (15 with colours) and 35 bytes a pixel. Throws: InvalidArgument,
+/// FormatError, IoError, OutOfMemoryBudget, Cancelled.
 void render(MeshSource& mesh, const std::filesystem::path& png, const RenderOptions& options,
             const Hooks& hooks = {});
 
