@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "ooc/units.h"
+#include "hewer/units.h"
 
 #include <array>
 #include <cstdio>
 
-namespace hewer::ooc {
+namespace hewer {
 
 std::string format_bytes(std::uint64_t bytes) {
     static constexpr std::array<const char*, 5> kUnits{"KiB", "MiB", "GiB", "TiB", "PiB"};
@@ -29,4 +29,4 @@ std::string format_count(std::uint64_t count) {
     return digits;
 }
 
-}  // namespace hewer::ooc
+}  // namespace hewer

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#include "hewer/info.h"
+
+#include <array>
+#include <iostream>
+#include <string>
+#include <utility>
+
+#include "app/commands.h"
+#include "app/format_text.h"
+#include "app/progress_bar.h"
+#include "app/report_json.h"
+#include "hewer/units.h"
+
+namespace hewer::app {
+
+namespace {
+
+void print_info(const InputReport& r) {
+    std::cout << r.path << ": " << r.format << ", " << format_bytes(r.bytes) << '\n';
+    if (r.vertices != 0) {
+        std::cout << "vertices   " << format_count(r.vertices) << '\n';
+    } else {
+        std::cout << "vertices   none of their own: a triangle soup\n";
+    }
+    std::cout << "faces      " << format_count(r.faces) << '\n'
+              << "triangles  " << format_count(r.triangles) << '\n'
+              << "bounds     " << format_bounds(r.bounds) << '\n'
+              << "diagonal   " << format_length(r.bounds.diagonal()) << '\n';
+    if (r.area > 0) std::cout << "area       " << format_length(r.area) << '\n';
+    std::cout << "attributes " << (r.has_normals ? "normals " : "")
+              << (r.has_colors ? "colours" : "") << (r.has_normals || r.has_colors ? "" : "none")
+              << '\n';
+    if (!r.ignored.empty()) {
+        std::cout << "not used  ";
+        for (const std::string& name : r.ignored) std::cout << ' ' << name;
+        std::cout << '\n';
+    }
+    const InputDefects& d = r.defects;
+    const std::array<std::pair<std::uint64_t, std::string>, 6> rows{{
+        {d.nonfinite_vertices, "vertices with a coordinate that is not finite"},
+        {d.nonfinite_triangles, "triangles with such a vertex (left out)"},
+        {d.out_of_range_triangles, "triangles with an index out of range (left out)"},
+        {d.short_faces, "faces of fewer than three corners (left out)"},
+        {d.polygons, "faces of more than three corners (cut into triangles)"},
+        {d.degenerate_triangles, "triangles without area"},
+    }};
+    bool has_defects = false;
+    for (const auto& [count, what] : rows) {
+        if (count == 0) continue;
+        std::cout << (has_defects ? "           " : "defects    ") << format_count(count) << ' '
+                  << what << '\n';
+        has_defects = true;
+    }
+    if (!has_defects) std::cout << "defects    none\n";
+    if (!d.first_nonfinite.empty()) {
+        std::cout << "           not finite first: " << d.first_nonfinite << '\n';
+    }
+    if (!d.first_out_of_range.empty()) {
+        std::cout << "           out of range first: " << d.first_out_of_range << '\n';
+    }
+}
+
+}  // namespace
+
+void run_info(const Arguments& arguments, const std::stop_token& stop) {
+    ProgressPrinter printer(choose_progress_style(arguments.get<std::string>("progress"), false));
+    const InputReport report =
+        info(arguments.path("input"), arguments.get<std::uint64_t>("memory"),
+             static_cast<unsigned>(arguments.get<std::uint64_t>("threads")), printer.hooks(stop));
+    printer.finish();
+    if (arguments.flag("json")) {
+        std::cout << to_json(report);
+    } else {
+        print_info(report);
+    }
+}
+
+}  // namespace hewer::app

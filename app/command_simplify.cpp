@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <iostream>
+
+#include "app/commands.h"
+#include "app/format_text.h"
+#include "app/path_checks.h"
+#include "app/progress_bar.h"
+#include "app/report_json.h"
+#include "app/simplify_options.h"
+#include "hewer/simplify.h"
+#include "hewer/units.h"
+
+namespace hewer::app {
+
+namespace {
+
+std::vector<PlannedOutput> plan_outputs(const Arguments& arguments, std::size_t n_lods) {
+    const std::filesystem::path output = arguments.path("output");
+    std::vector<PlannedOutput> outputs;
+    for (std::size_t lod = 0; lod < n_lods; ++lod) {
+        outputs.push_back({lod_path(output, lod, n_lods), "output"});
+    }
+    if (n_lods > 1) {
+        std::filesystem::path list = output;
+        list.replace_filename(output.stem().string() + "_lods.json");
+        outputs.push_back({list, "list of levels"});
+    }
+    if (arguments.is_given("report")) outputs.push_back({arguments.path("report"), "report"});
+    return outputs;
+}
+
+void print_defects(const InputReport& input) {
+    const InputDefects& d = input.defects;
+    const std::uint64_t dropped = d.nonfinite_triangles + d.out_of_range_triangles + d.short_faces;
+    if (dropped + d.degenerate_triangles == 0) return;
+    std::cout << "           " << format_plural(dropped, "face") << " of no use left out, "
+              << format_plural(d.degenerate_triangles, "degenerate triangle") << '\n';
+}
+
+void print_summary(const SimplifyReport& r) {
+    const double diagonal = r.input.bounds.diagonal();
+    std::cout << "input      " << format_plural(r.input.triangles, "triangle") << ", "
+              << format_bytes(r.input.bytes) << " (" << r.input.path << ")\n";
+    print_defects(r.input);
+    for (const LodReport& lod : r.lods) {
+        std::cout << "output     " << format_plural(lod.triangles, "triangle") << ", "
+                  << format_count(lod.vertices) << (lod.vertices == 1 ? " vertex" : " vertices")
+                  << ", " << format_bytes(lod.bytes) << " (" << lod.path << ")\n"
+                  << "           no vertex moved farther than " << format_length(lod.error_bound)
+                  << " (" << format_percent(lod.error_bound, diagonal) << " of the diagonal)";
+        if (lod.lost_cells != 0) {
+            std::cout << ", bar " << format_plural(lod.lost_cells, "cell")
+                      << " whose parts were too small to stay";
+        }
+        std::cout << '\n';
+    }
+    std::cout << "time       " << format_seconds(r.seconds) << ", peak memory "
+              << format_bytes(r.peak_resident_bytes) << '\n';
+}
+
+}  // namespace
+
+void run_simplify(const Arguments& arguments, const std::stop_token& stop) {
+    const SimplifyOptions options = make_simplify_options(arguments);
+    const std::size_t n_lods = std::max<std::size_t>(1, options.targets.size());
+    check_outputs({arguments.path("input")}, plan_outputs(arguments, n_lods),
+                  arguments.flag("force"));
+
+    ProgressPrinter printer(
+        choose_progress_style(arguments.get<std::string>("progress"), arguments.flag("quiet")));
+    const SimplifyReport report =
+        simplify_file(arguments.path("input"), arguments.path("output"), options,
+                      printer.hooks(stop), arguments.flag("force"));
+    printer.finish();
+    if (arguments.is_given("report")) {
+        write_report(arguments.path("report"), to_json(report, arguments));
+    }
+    if (!arguments.flag("quiet")) print_summary(report);
+}
+
+}  // namespace hewer::app

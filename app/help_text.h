@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+/// Texts for people, made from the option table.
+#pragma once
+
+#include <string>
+
+#include "app/option_table.h"
+
+namespace hewer::app {
+
+std::string general_help();
+std::string command_help(const CommandSpec& command);
+
+/// The README's table of all options, Markdown.
+std::string markdown_table();
+
+}  // namespace hewer::app

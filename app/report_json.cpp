@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: MIT
+#include "app/report_json.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <system_error>
+#include <type_traits>
+
+#include "hewer/error.h"
+#include "hewer/version.h"
+
+namespace hewer::app {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_value(const Vec3& v) {
+    return {v[0], v[1], v[2]};
+}
+
+Json to_value(const Bounds& b) {
+    if (b.is_empty()) return nullptr;
+    return {{"min", to_value(b.min)}, {"max", to_value(b.max)}};
+}
+
+const char* name_of(Target::Kind kind) {
+    switch (kind) {
+        case Target::Kind::Triangles:
+            return "triangles";
+        case Target::Kind::Vertices:
+            return "vertices";
+        case Target::Kind::Ratio:
+            return "ratio";
+        case Target::Kind::Error:
+            return "error";
+        case Target::Kind::RelativeError:
+            return "relative_error";
+    }
+    throw InternalError("target kind without a name");
+}
+
+Json to_value(const Target& t) {
+    Json json{{"kind", name_of(t.kind)}, {"value", t.value}};
+    // A count reads as one, not as 250000.0.
+    if (t.kind == Target::Kind::Triangles || t.kind == Target::Kind::Vertices) {
+        json["value"] = static_cast<std::uint64_t>(t.value);
+    }
+    return json;
+}
+
+Json to_value(const InputDefects& d) {
+    return {{"nonfinite_vertices", d.nonfinite_vertices},
+            {"nonfinite_triangles", d.nonfinite_triangles},
+            {"out_of_range_triangles", d.out_of_range_triangles},
+            {"short_faces", d.short_faces},
+            {"polygons", d.polygons},
+            {"degenerate_triangles", d.degenerate_triangles},
+            {"first_nonfinite", d.first_nonfinite},
+            {"first_out_of_range", d.first_out_of_range}};
+}
+
+Json to_value(const InputReport& r) {
+    return {{"path", r.path},
+            {"format", r.format},
+            {"bytes", r.bytes},
+            {"vertices", r.vertices},
+            {"faces", r.faces},
+            {"triangles", r.triangles},
+            {"bounds", to_value(r.bounds)},
+            {"has_normals", r.has_normals},
+            {"has_colors", r.has_colors},
+            {"ignored", r.ignored},
+            {"defects", to_value(r.defects)},
+            {"area", r.area},
+            {"vertex_passes", r.vertex_passes},
+            {"triangle_passes", r.triangle_passes}};
+}
+
+Json to_value(const GridReport& r) {
+    return {{"cell_size", r.cell_size},
+            {"dimensions", r.dimensions},
+            {"occupied_cells", r.occupied_cells},
+            {"border_cells", r.border_cells},
+            {"surviving_triangles", r.surviving_triangles},
+            {"is_consistently_wound", r.is_consistently_wound}};
+}
+
+Json to_value(const TopologyReport& r) {
+    return {{"border_edges", r.border_edges},
+            {"nonmanifold_edges", r.nonmanifold_edges},
+            {"components", r.components},
+            {"euler_characteristic", r.euler_characteristic}};
+}
+
+Json to_value(const LodReport& r) {
+    return {{"path", r.path},
+            {"target", to_value(r.target)},
+            {"target_triangles", r.target_triangles},
+            {"triangles", r.triangles},
+            {"vertices", r.vertices},
+            {"bounds", to_value(r.bounds)},
+            {"error_bound", r.error_bound},
+            {"lost_cells", r.lost_cells},
+            {"topology", to_value(r.topology)},
+            {"is_nested", r.is_nested},
+            {"bytes", r.bytes}};
+}
+
+Json to_value(const StageReport& r) {
+    return {{"name", r.name},
+            {"seconds", r.seconds},
+            {"bytes_read", r.bytes_read},
+            {"bytes_written", r.bytes_written},
+            {"peak_budget_bytes", r.peak_budget_bytes},
+            {"peak_resident_bytes", r.peak_resident_bytes}};
+}
+
+Json to_value(const DistanceReport& r) {
+    return {{"maximum", r.maximum},
+            {"mean", r.mean},
+            {"rms", r.rms},
+            {"vertex_maximum", r.vertex_maximum},
+            {"vertex_mean", r.vertex_mean},
+            {"vertex_rms", r.vertex_rms},
+            {"n_vertices", r.n_vertices},
+            {"n_samples", r.n_samples},
+            {"worst", to_value(r.worst)}};
+}
+
+template <typename T>
+Json to_list(const std::vector<T>& items) {
+    Json list = Json::array();
+    for (const T& item : items) list.push_back(to_value(item));
+    return list;
+}
+
+Json to_value(const Value& value) {
+    return std::visit(
+        [](const auto& v) -> Json {
+            using T = std::decay_t<decltype(v)>;
+            if constexpr (std::is_same_v<T, std::vector<Target>>) {
+                return to_list(v);
+            } else if constexpr (std::is_same_v<T, Target> || std::is_same_v<T, Bounds>) {
+                return to_value(v);
+            } else {
+                return v;
+            }
+        },
+        value);
+}
+
+Json options_of(const Arguments& arguments) {
+    Json json = Json::object();
+    for (const OptionSpec& option : option_table()) {
+        if (!option.belongs_to(arguments.command())) continue;
+        const std::string key(option.key);
+        const Value* value = arguments.find(option.key);
+        if (value != nullptr) {
+            json[key] = to_value(*value);
+        } else if (option.type == ValueType::Flag) {
+            json[key] = false;
+        } else {
+            json[key] = nullptr;
+        }
+    }
+    return json;
+}
+
+// File names need not be UTF-8, JSON has to be.
+std::string dump(const Json& json) {
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+}  // namespace
+
+std::string to_json(const SimplifyReport& r, const Arguments& arguments) {
+    Json options = options_of(arguments);
+    options["memory"] = r.options.memory_bytes;
+    options["threads"] = r.options.n_threads;
+    options["temp_dir"] = r.options.temp_dir.string();
+    return dump({{"version", r.version},
+                 {"command", "simplify"},
+                 {"options", options},
+                 {"input", to_value(r.input)},
+                 {"grid", to_value(r.grid)},
+                 {"refined_clusters", r.refined_clusters},
+                 {"collapses", r.collapses},
+                 {"lods", to_list(r.lods)},
+                 {"stages", to_list(r.stages)},
+                 {"warnings", r.warnings},
+                 {"seconds", r.seconds},
+                 {"bytes_read", r.bytes_read},
+                 {"bytes_written", r.bytes_written},
+                 {"peak_budget_bytes", r.peak_budget_bytes},
+                 {"peak_resident_bytes", r.peak_resident_bytes},
+                 {"result_hash", r.result_hash}});
+}
+
+std::string to_json(const MeasureReport& r, const Arguments& arguments) {
+    return dump({{"version", version()},
+                 {"command", "measure"},
+                 {"options", options_of(arguments)},
+                 {"forward", to_value(r.forward)},
+                 {"backward", to_value(r.backward)},
+                 {"bounds", to_value(r.bounds)},
+                 {"diagonal", r.bounds.diagonal()},
+                 {"original_triangles", r.original_triangles},
+                 {"simplified_triangles", r.simplified_triangles},
+                 {"seconds", r.seconds},
+                 {"peak_resident_bytes", r.peak_resident_bytes}});
+}
+
+std::string to_json(const InputReport& r) {
+    Json json{{"version", version()}, {"command", "info"}};
+    json.update(to_value(r));
+    return dump(json);
+}
+
+std::string to_json(const PlanReport& r, const Arguments& arguments) {
+    return dump({{"version", version()},
+                 {"command", "plan"},
+                 {"options", options_of(arguments)},
+                 {"input", to_value(r.input)},
+                 {"cell_size", r.cell_size},
+                 {"cells", r.cells},
+                 {"surviving_triangles", r.surviving_triangles},
+                 {"target_triangles", r.target_triangles},
+                 {"memory_bytes", r.memory_bytes},
+                 {"memory_limit_bytes", r.memory_limit_bytes},
+                 {"fits", r.fits},
+                 {"temp_bytes", r.temp_bytes},
+                 {"bytes_read", r.bytes_read},
+                 {"bytes_written", r.bytes_written},
+                 {"seconds", r.seconds}});
+}
+
+void write_report(const std::filesystem::path& path, const std::string& text) {
+    std::filesystem::path temporary = path;
+    temporary += ".hewer-" + std::to_string(::getpid()) + ".tmp";
+    errno = 0;
+    std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
+    out << text;
+    out.close();
+    const int error = errno;
+    std::error_code code;
+    if (out) {
+        std::filesystem::rename(temporary, path, code);
+        if (!code) return;
+    } else {
+        code.assign(error != 0 ? error : EIO, std::generic_category());
+    }
+    std::error_code ignored;
+    std::filesystem::remove(temporary, ignored);
+    throw IoError(path.string() + ": cannot write the report: " + code.message());
+}
+
+}  // namespace hewer::app

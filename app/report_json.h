@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+/// Reports as JSON: the fields of the report structs under their own names, bytes as numbers,
+/// enumerators in lower case, infinite and NaN numbers as null.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "app/arguments.h"
+#include "hewer/measure.h"
+#include "hewer/plan.h"
+#include "hewer/report.h"
+
+namespace hewer::app {
+
+/// "options" holds every option of the command under the option table's keys; what the run filled
+/// in (memory, threads, temp_dir) stands there too.
+std::string to_json(const SimplifyReport& report, const Arguments& arguments);
+std::string to_json(const MeasureReport& report, const Arguments& arguments);
+std::string to_json(const InputReport& report);
+std::string to_json(const PlanReport& report, const Arguments& arguments);
+
+/// Writes `text` under a temporary name beside `path`, then renames. Throws IoError.
+void write_report(const std::filesystem::path& path, const std::string& text);
+
+}  // namespace hewer::app

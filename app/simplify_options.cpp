@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+#include "app/simplify_options.h"
+
+#include <array>
+#include <string>
+#include <string_view>
+
+#include "hewer/error.h"
+
+namespace hewer::app {
+
+namespace {
+
+constexpr std::array<std::string_view, 5> kTargetKeys{"triangles", "vertices", "ratio", "error",
+                                                      "lods"};
+
+// The key of the one target that was given, or empty.
+std::string_view find_target(const Arguments& arguments) {
+    std::string_view found;
+    for (const std::string_view key : kTargetKeys) {
+        if (!arguments.is_given(key)) continue;
+        if (!found.empty()) {
+            throw InvalidArgument("--" + std::string(found) + " and --" + std::string(key) +
+                                  " contradict each other: a run has one target" +
+                                  (key == "lods" ? ", and --lods lists all levels" : ""));
+        }
+        found = key;
+    }
+    return found;
+}
+
+std::vector<Target> make_targets(const Arguments& arguments, std::string_view key) {
+    if (key == "triangles" || key == "vertices") {
+        const auto kind = key == "triangles" ? Target::Kind::Triangles : Target::Kind::Vertices;
+        return {{kind, static_cast<double>(arguments.get<std::uint64_t>(key))}};
+    }
+    if (key == "ratio") return {{Target::Kind::Ratio, arguments.get<double>(key)}};
+    if (key == "error") return {arguments.get<Target>(key)};
+    return arguments.get<std::vector<Target>>("lods");
+}
+
+Method make_method(const std::string& name) {
+    if (name == "uniform") return Method::Uniform;
+    return name == "full" ? Method::Full : Method::Refine;
+}
+
+}  // namespace
+
+SimplifyOptions make_simplify_options(const Arguments& arguments) {
+    SimplifyOptions options;
+    options.method = make_method(arguments.get<std::string>("method"));
+    const bool is_uniform = options.method == Method::Uniform;
+    const std::string_view target = find_target(arguments);
+    if (arguments.is_given("cell")) {
+        options.cell_size = arguments.get<double>("cell");
+        if (options.method == Method::Full) {
+            throw InvalidArgument(
+                "--cell and --method full contradict each other: full has no grid cells to size");
+        }
+        if (is_uniform && !target.empty()) {
+            throw InvalidArgument("--cell and --" + std::string(target) +
+                                  " contradict each other: with --method uniform the cell size "
+                                  "decides how many triangles come out");
+        }
+    }
+    if (target.empty() && !(is_uniform && options.cell_size)) {
+        throw InvalidArgument(
+            "no target: say how far to simplify with --triangles, --vertices, --ratio, --error or "
+            "--lods (or --method uniform --cell)");
+    }
+    if (is_uniform && arguments.is_given("priority")) {
+        throw InvalidArgument(
+            "--priority and --method uniform contradict each other: uniform splits no clusters");
+    }
+    if (!target.empty()) options.targets = make_targets(arguments, target);
+    if (arguments.get<std::string>("priority") == "normal") {
+        options.priority = SplitPriority::NormalVariation;
+    }
+    if (arguments.is_given("bounds")) options.bounds = arguments.get<Bounds>("bounds");
+    options.border_weight = arguments.get<double>("border_weight");
+    options.strict = arguments.flag("strict");
+    options.memory_bytes = arguments.get<std::uint64_t>("memory");
+    options.n_threads = static_cast<unsigned>(arguments.get<std::uint64_t>("threads"));
+    options.temp_dir = arguments.path("temp_dir");
+    if (arguments.is_given("temp_dir") && !std::filesystem::is_directory(options.temp_dir)) {
+        throw InvalidArgument("--temp-dir: " + options.temp_dir.string() +
+                              " is not a folder that exists");
+    }
+    return options;
+}
+
+}  // namespace hewer::app

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+#include "hewer/cleanup.h"
+
+#include "ooc/file.h"
+
+namespace hewer {
+
+void remove_temporary_files() noexcept {
+    ooc::remove_temporary_outputs();
+}
+
+}  // namespace hewer
