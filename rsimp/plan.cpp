@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+#include "hewer/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "cluster/cell_sample.h"
+#include "cluster/lattice.h"
+#include "hewer/error.h"
+#include "hewer/mesh_source.h"
+#include "ooc/context.h"
+#include "rsimp/grid_choice.h"
+#include "rsimp/memory_model.h"
+
+namespace hewer {
+
+namespace {
+
+using cluster::CellSample;
+using cluster::Lattice;
+using cluster::LatticePoint;
+
+// Vertices (or triangles of a soup) that are looked at: a second's work at most.
+constexpr std::uint64_t kMostSampled = 2'000'000;
+
+// Seconds per element on two cores of 2020 or later, from scripts/bench: a prediction, not a
+// promise.
+constexpr double kSecondsPerByte = 0.4e-9;
+constexpr double kSecondsPerFace = 30e-9;
+constexpr double kSecondsPerCell = 0.8e-6;
+constexpr double kSecondsPerCluster = 4.5e-6;
+
+struct Sampled {
+    Bounds bounds;
+    std::vector<Vec3> points;
+    std::uint64_t n_elements = 0;
+};
+
+Sampled read_sample(MeshSource& source) {
+    Sampled sample;
+    const auto add = [&](const Vec3& p) {
+        if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) return;
+        sample.bounds.extend(p);
+        sample.points.push_back(p);
+    };
+    if (source.info().is_indexed) {
+        source.begin_vertices();
+        VertexBatch batch;
+        while (sample.n_elements < kMostSampled && source.next_vertices(batch)) {
+            for (const Vec3& p : batch.positions) add(p);
+            sample.n_elements += batch.positions.size();
+        }
+    } else {
+        source.begin_triangles();
+        TriangleBatch batch;
+        while (3 * sample.n_elements < kMostSampled && source.next_triangles(batch)) {
+            for (const auto& triangle : batch.points) {
+                for (const Vec3& p : triangle) add(p);
+            }
+            sample.n_elements += batch.n_faces;
+        }
+    }
+    return sample;
+}
+
+}  // namespace
+
+PlanReport plan(const std::filesystem::path& input, const SimplifyOptions& options) {
+    rsimp::check_options(options);
+    const std::unique_ptr<MeshSource> source = open_mesh(input, options.strict);
+    const SourceInfo& info = source->info();
+    PlanReport report;
+    report.input.path = info.name;
+    report.input.format = info.format;
+    report.input.bytes = info.n_bytes;
+    report.input.vertices = info.n_vertices;
+    report.input.faces = info.n_faces;
+    report.input.triangles = info.n_faces;
+    report.input.has_normals = info.has_normals;
+    report.input.has_colors = info.has_colors;
+    report.input.ignored = info.ignored;
+
+    const Sampled sampled = read_sample(*source);
+    if (sampled.bounds.is_empty()) {
+        throw FormatError(info.name + ": no vertex has finite coordinates");
+    }
+    report.input.bounds = options.bounds ? *options.bounds : sampled.bounds;
+    const Bounds& bounds = report.input.bounds;
+    const Lattice lattice(bounds);
+    CellSample cells(sampled.points.size());
+    std::vector<LatticePoint> chosen;
+    for (Vec3 p : sampled.points) {
+        for (std::size_t i = 0; i < 3; ++i) p[i] = std::clamp(p[i], bounds.min[i], bounds.max[i]);
+        const LatticePoint q = lattice.encode(p);
+        if (cells.is_chosen(q)) chosen.push_back(q);
+    }
+    cells.add(chosen);
+    // The file begins with a part of the surface; the rest is taken to be like it.
+    const std::uint64_t n_all = info.is_indexed ? info.n_vertices : info.n_faces;
+    const double share = std::min(1.0, static_cast<double>(sampled.n_elements) /
+                                           static_cast<double>(std::max<std::uint64_t>(1, n_all)));
+
+    const bool is_free = options.targets.empty();
+    const double vertices =
+        is_free ? 0 : rsimp::target_vertices(options.targets.front(), info.n_faces);
+    double resolution = 1;
+    if (options.method == Method::Uniform && !options.cell_size) {
+        resolution = cells.resolution_for(vertices * share);
+    } else {
+        resolution = rsimp::choose_resolution(options, bounds, cells, info.n_faces, share);
+    }
+    const cluster::UniformGrid grid(resolution);
+    report.cell_size = grid.cell_size(lattice);
+    report.cells = static_cast<std::uint64_t>(cells.count_cells(grid) / share);
+    report.surviving_triangles = std::min(info.n_faces, 2 * report.cells + report.cells / 8);
+    const double wanted = rsimp::kClustersPerVertex * vertices;
+    const bool is_refined = options.method != Method::Uniform && wanted > 0 &&
+                            wanted < static_cast<double>(report.cells);
+    const std::uint64_t clusters = is_refined ? static_cast<std::uint64_t>(wanted) : report.cells;
+    report.target_triangles = static_cast<std::uint64_t>(2 * vertices);
+    const std::uint64_t out_triangles =
+        vertices > 0 ? report.target_triangles : report.surviving_triangles;
+
+    rsimp::MemoryCounts counts;
+    counts.vertices = info.is_indexed ? info.n_vertices : 0;
+    counts.cells = report.cells;
+    counts.surviving_triangles = report.surviving_triangles;
+    counts.clusters = clusters;
+    counts.has_attributes =
+        info.has_normals || info.has_colors || options.priority == SplitPriority::NormalVariation;
+    counts.is_refined = is_refined;
+    report.memory_bytes = rsimp::peak_memory_bytes(counts);
+    report.memory_limit_bytes =
+        options.memory_bytes != 0 ? options.memory_bytes : ooc::default_memory_limit();
+    report.fits = report.memory_bytes <= report.memory_limit_bytes;
+
+    // Vertices twice (bounds, positions), faces once; a soup three times.
+    const std::uint64_t vertex_bytes =
+        info.is_indexed && info.n_vertices + info.n_faces > 0
+            ? static_cast<std::uint64_t>(static_cast<double>(info.n_bytes) * 12.0 *
+                                         static_cast<double>(info.n_vertices) /
+                                         (12.0 * static_cast<double>(info.n_vertices) +
+                                          13.0 * static_cast<double>(info.n_faces)))
+            : 2 * info.n_bytes;
+    report.bytes_read = info.n_bytes + (options.bounds ? 0 : vertex_bytes);
+    const std::uint64_t attribute_bytes =
+        (info.has_normals ? 12U : 0U) + (info.has_colors ? 4U : 0U);
+    report.bytes_written = out_triangles * 13 + out_triangles / 2 * (12 + attribute_bytes);
+    report.seconds =
+        static_cast<double>(report.bytes_read) * kSecondsPerByte +
+        static_cast<double>(info.n_faces) * kSecondsPerFace +
+        static_cast<double>(report.cells) * kSecondsPerCell +
+        (options.method == Method::Uniform ? 0
+                                           : static_cast<double>(clusters) * kSecondsPerCluster);
+    return report;
+}
+
+}  // namespace hewer
