@@ -25,12 +25,6 @@ using cluster::VertexStore;
 
 namespace {
 
-// The uniform method aims here, as a share of the target, and is content between the two others.
-constexpr double kUniformAim = 0.95;
-constexpr double kUniformLeast = 0.87;
-constexpr double kUniformMost = 1.0;
-constexpr int kUniformTries = 4;
-
 CellSample sample_vertices(ooc::Context& context, const VertexStore& vertices) {
     CellSample sample(vertices.points.size());
     std::mutex mutex;
@@ -136,13 +130,6 @@ class Pass {
                                          options_.border_weight);
     }
 
-    /// Cells that the vertices occupy in `grid`, counted exactly.
-    std::uint64_t count_cells(const UniformGrid& grid, double expected) {
-        CellTable table(context_, static_cast<std::uint64_t>(expected * 1.05) + 1024, false);
-        cluster::assign_cells(context_, vertices_, grid, table);
-        return table.size();
-    }
-
   private:
     ooc::Context& context_;
     MeshSource& source_;
@@ -152,22 +139,6 @@ class Pass {
     VertexStore& vertices_;
     SimplifyReport& report_;
 };
-
-/// The uniform method's grid: a closed surface has twice as many triangles as vertices, so the
-/// number of occupied cells tells what will come out before a triangle is read.
-UniformGrid choose_uniform_grid(Pass& pass, const SimplifyOptions& options,
-                                const CellSample& sample, const SourceInfo& info, double& cells) {
-    const double most = target_vertices(options.targets.front(), info.n_faces);
-    cells = kUniformAim * most;
-    double resolution = sample.resolution_for(cells);
-    for (int i = 1; info.is_indexed && i < kUniformTries; ++i) {
-        const auto n = static_cast<double>(pass.count_cells(UniformGrid(resolution), cells));
-        const bool is_finest = resolution >= sample.separating_resolution();
-        if (n <= kUniformMost * most && (n >= kUniformLeast * most || is_finest)) break;
-        resolution *= std::sqrt(kUniformAim * most / n);
-    }
-    return UniformGrid(resolution);
-}
 
 }  // namespace
 
@@ -218,17 +189,9 @@ CellStore cluster_input(ooc::Context& context, MeshSource& source, const Simplif
     stages.begin("cluster", info.n_vertices + info.n_faces, "elements");
     Pass pass(context, source, options, lattice, input.bounds, vertices, report);
     AccumulateResult result;
-    CellStore store;
-    if (options.method == Method::Uniform && !options.cell_size) {
-        double cells = 0;
-        const UniformGrid grid = choose_uniform_grid(pass, options, sample, info, cells);
-        store = pass.run(grid, cells, result);
-    } else {
-        const UniformGrid grid(
-            choose_resolution(options, input.bounds, sample, info.n_faces, finer));
-        is_finest = grid.resolution() >= 0.99 * sample.separating_resolution();
-        store = pass.run(grid, sample.count_cells(grid), result);
-    }
+    const UniformGrid grid(choose_resolution(options, input.bounds, sample, info.n_faces, finer));
+    is_finest = grid.resolution() >= 0.99 * sample.separating_resolution();
+    CellStore store = pass.run(grid, sample.count_cells(grid), result);
     stages.end();
 
     input.triangles = result.n_triangles;

@@ -62,6 +62,10 @@ double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
     const Target& finest = options.targets.front();
     const double error = target_error(finest, bounds);
     if (error > 0) return resolution_of_cell(error / kCellsPerError, bounds, "--error");
+    if (options.method == Method::Uniform) {
+        return sample.resolution_for(finer * kUniformCellsPerVertex *
+                                     target_vertices(finest, n_input_faces));
+    }
     const double wanted =
         finer * std::max(kFewestCells, kCellsPerVertex * target_vertices(finest, n_input_faces));
     return sample.resolution_for(wanted);

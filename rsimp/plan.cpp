@@ -104,12 +104,7 @@ PlanReport plan(const std::filesystem::path& input, const SimplifyOptions& optio
     const bool is_free = options.targets.empty();
     const double vertices =
         is_free ? 0 : rsimp::target_vertices(options.targets.front(), info.n_faces);
-    double resolution = 1;
-    if (options.method == Method::Uniform && !options.cell_size) {
-        resolution = cells.resolution_for(vertices * share);
-    } else {
-        resolution = rsimp::choose_resolution(options, bounds, cells, info.n_faces, share);
-    }
+    const double resolution = rsimp::choose_resolution(options, bounds, cells, info.n_faces, share);
     const cluster::UniformGrid grid(resolution);
     report.cell_size = grid.cell_size(lattice);
     report.cells = static_cast<std::uint64_t>(cells.count_cells(grid) / share);

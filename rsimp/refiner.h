@@ -10,22 +10,9 @@
 #include "ooc/array.h"
 #include "ooc/context.h"
 #include "rsimp/cluster_tree.h"
+#include "rsimp/clusters.h"
 
 namespace hewer::rsimp {
-
-/// The vertices that a cut of the tree (or the cells themselves) makes. Lengths in cells.
-struct Clusters {
-    ooc::Array<std::uint32_t> cluster_of_cell;  ///< by cell id
-    ooc::Array<Vec3> positions;                 ///< relative to `origin`
-    ooc::Array<cluster::Quadric> quadrics;      ///< relative to `origin`
-    ooc::Array<std::array<float, 6>> boxes;     ///< low and high of the cells, relative to `origin`
-    ooc::Array<cluster::CellAttributes> attributes;  ///< summed; empty if there are none
-    Vec3 origin{};                                   ///< in cells from the lattice origin
-
-    std::uint64_t n_clusters = 0;
-
-    [[nodiscard]] std::uint64_t size() const { return n_clusters; }
-};
 
 /// Best-first refinement without a queue: with keys that never rise towards the leaves, the
 /// clusters that a priority queue would hold after n splits are the cut at the n-th largest key. So
@@ -65,8 +52,5 @@ class Refiner {
     std::vector<ClusterTree> trees_;
     ooc::Reservation node_bytes_;
 };
-
-/// Every cell a cluster of its own, without a tree.
-Clusters clusters_from_cells(ooc::Context& context, const cluster::CellStore& store);
 
 }  // namespace hewer::rsimp

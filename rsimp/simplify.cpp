@@ -21,6 +21,7 @@
 #include "rsimp/grid_choice.h"
 #include "rsimp/lod.h"
 #include "rsimp/manifold.h"
+#include "rsimp/octree_fusion.h"
 #include "rsimp/refiner.h"
 #include "rsimp/stage_log.h"
 
@@ -40,6 +41,11 @@ const std::vector<ooc::StageWeight> kStages{{"bounds", 1},  {"vertices", 2}, {"s
 constexpr double kWorthRefining = 1.3;
 // Triangles that the collapse must at least begin with, for each that is asked for.
 constexpr double kEnoughTriangles = 1.25;
+// Share of the budget that the uniform method aims at and is content with, and the factor on its
+// clusters when it falls short.
+constexpr double kUniformAim = 0.985;
+constexpr double kUniformLeast = 0.85;
+constexpr double kMoreClusters = 1.15;
 // Cells of the next grid for each cell of one that was too coarse.
 constexpr double kFinerGrid = 4;
 // The first splits of an error-bound run stop at this part of the bound; the collapse uses up the
@@ -121,13 +127,31 @@ StartMesh refine_to_budget(ooc::Context& context, cluster::CellStore& store,
     }
 }
 
+/// The uniform method: as many clusters as a closed surface needs for the budget. Where parts
+/// vanish in their clusters that is too few, and more are allowed.
+StartMesh fuse_to_budget(ooc::Context& context, const cluster::CellStore& store,
+                         const SimplifyOptions& options, StageLog& stages,
+                         const SimplifyReport& report) {
+    stages.begin("refine", 0, "clusters");
+    const double triangles = budget(options, report);
+    if (triangles == 0) {
+        return build_start_mesh(context, store, clusters_from_cells(context, store));
+    }
+    for (double wanted = kUniformAim * triangles / 2;; wanted *= kMoreClusters) {
+        StartMesh start = build_start_mesh(
+            context, store, fuse_cells(context, store, static_cast<std::uint64_t>(wanted)));
+        const auto n = static_cast<double>(start.manifold.triangles.size());
+        if (n >= kUniformLeast * triangles || wanted >= static_cast<double>(store.codes.size())) {
+            return start;
+        }
+    }
+}
+
 StartMesh make_start_mesh(ooc::Context& context, cluster::CellStore& store,
                           const SimplifyOptions& options, StageLog& stages,
                           const SimplifyReport& report) {
-    if (options.method == Method::Uniform) {
-        stages.begin("mesh", 0, "triangles");
-        return build_start_mesh(context, store, clusters_from_cells(context, store));
-    }
+    if (options.method == Method::Uniform)
+        return fuse_to_budget(context, store, options, stages, report);
     const double error = target_error(options.targets.front(), report.input.bounds);
     if (error == 0) return refine_to_budget(context, store, options, stages, report);
     stages.begin("refine", 0, "clusters");
@@ -149,8 +173,9 @@ StartMesh cluster_and_refine(ooc::Context& context, MeshSource& source,
         StartMesh start = make_start_mesh(context, store, options, stages, report);
         const double triangles = budget(options, report);
         const auto n = static_cast<double>(start.manifold.triangles.size());
-        const bool is_enough = n >= kEnoughTriangles * triangles;
-        if (is_enough || is_finest || is_given || options.method == Method::Uniform) return start;
+        const bool is_enough =
+            n >= (options.method == Method::Uniform ? kUniformLeast : kEnoughTriangles) * triangles;
+        if (is_enough || is_finest || is_given) return start;
     }
 }
 
