@@ -42,10 +42,10 @@ inline float smooth_step(float from, float to, float x) {
     return t * t * (3 - 2 * t);
 }
 
-/// About tan(pi/4 t), which spreads the grid of a cube's face evenly over the sphere; exact at 0
-/// and +-1.
-inline float spread(std::uint64_t i, std::uint64_t n) {
-    const double t = 2.0 * static_cast<double>(i) / static_cast<double>(n) - 1.0;
+/// About tan(pi/4 t), which spreads the grid of a cube's face evenly over the sphere, for
+/// t = step * i - 1 in -1 .. 1.
+inline float spread(std::uint32_t i, double step) {
+    const double t = step * static_cast<double>(i) - 1.0;
     const double t2 = t * t;
     return static_cast<float>(t * (0.7854 + t2 * (0.1615 + t2 * 0.0531)));
 }
@@ -65,6 +65,8 @@ struct ScanSurface::Fields {
 ScanSurface::ScanSurface(const BoxGrid& grid, std::uint64_t seed)
     : grid_(grid),
       seed_(mix_bits(seed + 0x632be59bd9b4e019ULL)),
+      step_xy_(2.0 / static_cast<double>(grid.width())),
+      step_z_(2.0 / static_cast<double>(grid.height())),
       spacing_(static_cast<float>(
           std::sqrt(4 * 3.141592653589793 / static_cast<double>(grid.n_vertices())))),
       large_{make_octave(kLargeFrequency, 1), make_octave(kLargeFrequency, 1),
@@ -97,9 +99,9 @@ ScanSurface::Octave ScanSurface::make_octave(float frequency, float amplitude) {
 }
 
 std::array<float, 3> ScanSurface::direction(const BoxGrid::Point& p) const {
-    const float x = spread(p.x, grid_.width());
-    const float y = spread(p.y, grid_.width());
-    const float z = spread(p.z, grid_.height());
+    const float x = spread(p.x, step_xy_);
+    const float y = spread(p.y, step_xy_);
+    const float z = spread(p.z, step_z_);
     const float inverse = 1 / std::sqrt(x * x + y * y + z * z);
     return {x * inverse, y * inverse, z * inverse};
 }
@@ -118,9 +120,9 @@ void ScanSurface::place(std::span<const std::uint64_t> vertices, Fields& f) cons
         // A short block is filled up with its last vertex: whole blocks vectorise.
         const std::uint64_t vertex = vertices[std::min(i, vertices.size() - 1)];
         const BoxGrid::Point p = grid_.point(vertex);
-        f.dx[i] = spread(p.x, grid_.width());
-        f.dy[i] = spread(p.y, grid_.width());
-        f.dz[i] = spread(p.z, grid_.height());
+        f.dx[i] = spread(p.x, step_xy_);
+        f.dy[i] = spread(p.y, step_xy_);
+        f.dz[i] = spread(p.z, step_z_);
         const std::uint64_t h = mix_bits(seed_ ^ (vertex * 0x9e3779b97f4a7c15ULL));
         const auto field = [h](int shift) {  // 12 bits, -1 .. 1
             return static_cast<float>(static_cast<std::int32_t>((h >> shift) & 0xfff)) *
@@ -245,7 +247,8 @@ void ScanSurface::paint(const Fields& f, Samples& out) const {
         const float blend = smooth_step(-0.4F, 0.4F, broad[i]);
         Rgb c{};
         for (std::size_t k = 0; k < 3; ++k) c[k] = kPale[k] + blend * (kWarm[k] - kPale[k]);
-        // Painted cloth with a golden hem, and patches of green that follow the pattern: sharp edges.
+        // Painted cloth with a golden hem, and patches of green that follow the pattern: sharp
+        // edges.
         const float hem = f.dz[i] + 0.12F * f.large_a[i] + 0.22F;
         if (hem < 0) c = kBlue;
         if (hem < 0 && std::abs(fine[i]) < 0.06F) c = kGold;
