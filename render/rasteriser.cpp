@@ -13,9 +13,9 @@ namespace {
 constexpr unsigned kSide = 2;  // samples along a pixel's side
 
 // Shares of light; what faces the key light and the sky at once gets a little over 1.
-constexpr double kKey = 0.66;
+constexpr double kKey = 0.74;
 constexpr double kSky = 0.22;
-constexpr double kAround = 0.16;
+constexpr double kAround = 0.18;
 
 // Edge lines: half their width in samples; a triangle flatter than kEdgeFade of these gets fainter
 // lines, so that fine meshes do not go black.

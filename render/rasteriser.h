@@ -25,7 +25,7 @@ struct Camera {
 };
 
 struct Style {
-    Color front{0.80F, 0.78F, 0.74F};
+    Color front{0.84F, 0.82F, 0.78F};
     Color back{0.83F, 0.22F, 0.18F};  ///< a warning: seen from inside
     Color background_top{0.97F, 0.975F, 0.98F};
     Color background_bottom{0.86F, 0.87F, 0.885F};

@@ -166,9 +166,7 @@ class Generator {
     [[nodiscard]] streaming::QuadTriangles triangles_of(std::uint64_t index,
                                                         const BoxGrid::Quad& quad) const {
         std::array<bool, 4> seen{true, true, true, true};
-        if (holes_) {
-            for (std::size_t k = 0; k < 4; ++k) seen[k] = holes_->is_seen(quad[k]);
-        }
+        if (holes_) seen = holes_->are_seen(quad);
         return streaming::cut_quad(seen, cuts_02(index));
     }
     void count_with_holes();

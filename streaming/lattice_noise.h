@@ -22,8 +22,8 @@ inline std::uint64_t mix_bits(std::uint64_t h) {
 ///
 /// Only + - * and conversions, no libm and no branches: the same bits on every machine that rounds
 /// as IEEE 754 says, scalar or vectorised. |x|, |y|, |z| < 2^31; good down to a resolution of 2^-24
-/// of the coordinates.
-inline float lattice_noise(float x, float y, float z, std::uint32_t seed) {
+/// of the coordinates. Always inlined: a loop around it is vectorised only then.
+[[gnu::always_inline]] inline float lattice_noise(float x, float y, float z, std::uint32_t seed) {
     // Floor: truncation, less one where that went up.
     auto ix = static_cast<std::int32_t>(x);
     auto iy = static_cast<std::int32_t>(y);

@@ -25,17 +25,16 @@ float squared(float x) {
     return x * x;
 }
 
-float squared_distance(const std::array<float, 3>& a, const std::array<float, 3>& b) {
-    return squared(a[0] - b[0]) + squared(a[1] - b[1]) + squared(a[2] - b[2]);
-}
-
 }  // namespace
 
 ScanHoles::ScanHoles(const ScanSurface& surface, std::uint64_t seed)
     : surface_(surface), seed_(static_cast<std::uint32_t>(mix_bits(seed ^ 0x686f6c6573ULL))) {
     std::uint64_t h = seed_;
     const float margin = (kNeighbour + kRimJitter) * surface.spacing();
-    for (const float radius : kRadii) {
+    static_assert(kRadii.size() <= kMostDiscs);
+    clear2_.fill(-1);
+    gone2_.fill(-1);
+    for (std::size_t disc = 0; disc < kRadii.size(); ++disc) {
         std::array<float, 3> c{};
         float length2 = 0;
         do {  // a point of the ball, evenly distributed, brought out to the sphere
@@ -45,20 +44,28 @@ ScanHoles::ScanHoles(const ScanSurface& surface, std::uint64_t seed)
             }
             length2 = squared(c[0]) + squared(c[1]) + squared(c[2]);
         } while (length2 > 1 || length2 < 0.01F);
-        for (float& x : c) x /= std::sqrt(length2);
-        discs_.push_back({c, radius, squared(radius * (1 + kRimNoise) + margin),
-                          squared(std::max(radius * (1 - kRimNoise) - margin, 0.0F))});
+        const float length = std::sqrt(length2);
+        x_[disc] = c[0] / length;
+        y_[disc] = c[1] / length;
+        z_[disc] = c[2] / length;
+        const float radius = kRadii[disc];
+        radius_[disc] = radius;
+        clear2_[disc] = squared(radius * (1 + kRimNoise) + margin);
+        gone2_[disc] = squared(std::max(radius * (1 - kRimNoise) - margin, 0.0F));
     }
 }
 
 ScanHoles::Place ScanHoles::locate(const std::array<float, 3>& direction) const {
-    Place place = Place::Clear;
-    for (const Disc& disc : discs_) {
-        const float d2 = squared_distance(direction, disc.center);
-        if (d2 < disc.gone2) return Place::Gone;
-        if (d2 <= disc.clear2) place = Place::Rim;
+    int is_near = 0;
+    int is_gone = 0;
+    for (std::size_t disc = 0; disc < kMostDiscs; ++disc) {
+        const float d2 = squared(direction[0] - x_[disc]) + squared(direction[1] - y_[disc]) +
+                         squared(direction[2] - z_[disc]);
+        is_near |= static_cast<int>(d2 <= clear2_[disc]);
+        is_gone |= static_cast<int>(d2 < gone2_[disc]);
     }
-    return place;
+    if (is_gone != 0) return Place::Gone;
+    return is_near != 0 ? Place::Rim : Place::Clear;
 }
 
 bool ScanHoles::is_seen_on_rim(const std::array<float, 3>& direction,
@@ -67,20 +74,21 @@ bool ScanHoles::is_seen_on_rim(const std::array<float, 3>& direction,
         mix_bits((std::uint64_t{seed_} << 32) + p.x + mix_bits((std::uint64_t{p.y} << 32) + p.z));
     const float jitter =
         kRimJitter * surface_.spacing() * (static_cast<float>(h & 0xffff) * (1.0F / 65535) - 0.5F);
-    for (const Disc& disc : discs_) {
-        const float d2 = squared_distance(direction, disc.center);
-        if (d2 > disc.clear2) continue;
+    for (std::size_t disc = 0; disc < kMostDiscs; ++disc) {
+        const float d2 = squared(direction[0] - x_[disc]) + squared(direction[1] - y_[disc]) +
+                         squared(direction[2] - z_[disc]);
+        if (d2 > clear2_[disc]) continue;
         // Lobes as large as the disc, and tatters.
         float noise = 0;
         float weight = 0.8F;
         for (const float frequency : {1.5F, 5.0F, 16.0F}) {
-            const float f = frequency / disc.radius;
+            const float f = frequency / radius_[disc];
             noise +=
                 weight * lattice_noise(direction[0] * f, direction[1] * f, direction[2] * f, seed_);
             weight *= 0.5F;
         }
         noise = std::clamp(noise, -kRimNoise, kRimNoise);
-        const float radius = std::max(disc.radius * (1 + noise) + jitter, 0.0F);
+        const float radius = std::max(radius_[disc] * (1 + noise) + jitter, 0.0F);
         if (d2 < radius * radius) return false;
     }
     return true;
@@ -97,6 +105,14 @@ bool ScanHoles::is_seen(const BoxGrid::Point& p) const {
             break;
     }
     return is_seen_on_rim(direction, p);
+}
+
+std::array<bool, 4> ScanHoles::are_seen(const BoxGrid::Quad& quad) const {
+    // What is clear or gone is so with its neighbours.
+    const Place place = locate(surface_.direction(quad[0]));
+    if (place == Place::Clear) return {true, true, true, true};
+    if (place == Place::Gone) return {};
+    return {is_seen(quad[0]), is_seen(quad[1]), is_seen(quad[2]), is_seen(quad[3])};
 }
 
 bool ScanHoles::is_used(const BoxGrid& grid, const BoxGrid::Point& p) const {

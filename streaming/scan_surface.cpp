@@ -13,9 +13,9 @@ namespace {
 // Lengths below are in radii of the unscaled body.
 constexpr float kLargeFrequency = 1.15F;
 constexpr float kRoughFrequency = 2.3F;
-constexpr float kRoughAmplitude = 0.13F;
+constexpr float kRoughAmplitude = 0.075F;
 constexpr float kRidgeFrequency = 3.1F;
-constexpr float kRidgeAmplitude = 0.09F;
+constexpr float kRidgeAmplitude = 0.048F;
 // Not 2, so that the lattices of different octaves have no planes in common.
 constexpr float kLacunarity = 1.93F;
 constexpr float kRoughGain = 0.47F;
@@ -24,10 +24,10 @@ constexpr std::size_t kMostRidgeOctaves = 5;
 // A wave needs this many samples to show as one.
 constexpr float kSamplesPerWave = 3;
 
-constexpr float kGrooveDepth = 0.05F;
-constexpr float kGrooveHalfWidth = 0.032F;
+constexpr float kGrooveDepth = 0.045F;
+constexpr float kGrooveHalfWidth = 0.038F;
 constexpr float kBaseHeight = 0.76F;     // of the body's centre above its base
-constexpr float kFacetDistance = 0.87F;  // of the broken facet from the centre
+constexpr float kFacetDistance = 0.90F;  // of the broken facet from the centre
 
 // Shares of the sampling distance. Neighbours come closer than half of it only in rare pairs, and
 // no triangle of the sphere turns over: that takes 0.25.
@@ -42,10 +42,10 @@ inline float smooth_step(float from, float to, float x) {
     return t * t * (3 - 2 * t);
 }
 
-/// About tan(pi/4 t), which spreads the grid of a cube's face evenly over the sphere; exact at 0
-/// and +-1.
-inline float spread(std::uint64_t i, std::uint64_t n) {
-    const double t = 2.0 * static_cast<double>(i) / static_cast<double>(n) - 1.0;
+/// About tan(pi/4 t), which spreads the grid of a cube's face evenly over the sphere, for
+/// t = step * i - 1 in -1 .. 1.
+inline float spread(std::uint32_t i, double step) {
+    const double t = step * static_cast<double>(i) - 1.0;
     const double t2 = t * t;
     return static_cast<float>(t * (0.7854 + t2 * (0.1615 + t2 * 0.0531)));
 }
@@ -65,6 +65,8 @@ struct ScanSurface::Fields {
 ScanSurface::ScanSurface(const BoxGrid& grid, std::uint64_t seed)
     : grid_(grid),
       seed_(mix_bits(seed + 0x632be59bd9b4e019ULL)),
+      step_xy_(2.0 / static_cast<double>(grid.width())),
+      step_z_(2.0 / static_cast<double>(grid.height())),
       spacing_(static_cast<float>(
           std::sqrt(4 * 3.141592653589793 / static_cast<double>(grid.n_vertices())))),
       large_{make_octave(kLargeFrequency, 1), make_octave(kLargeFrequency, 1),
@@ -97,9 +99,9 @@ ScanSurface::Octave ScanSurface::make_octave(float frequency, float amplitude) {
 }
 
 std::array<float, 3> ScanSurface::direction(const BoxGrid::Point& p) const {
-    const float x = spread(p.x, grid_.width());
-    const float y = spread(p.y, grid_.width());
-    const float z = spread(p.z, grid_.height());
+    const float x = spread(p.x, step_xy_);
+    const float y = spread(p.y, step_xy_);
+    const float z = spread(p.z, step_z_);
     const float inverse = 1 / std::sqrt(x * x + y * y + z * z);
     return {x * inverse, y * inverse, z * inverse};
 }
@@ -118,9 +120,9 @@ void ScanSurface::place(std::span<const std::uint64_t> vertices, Fields& f) cons
         // A short block is filled up with its last vertex: whole blocks vectorise.
         const std::uint64_t vertex = vertices[std::min(i, vertices.size() - 1)];
         const BoxGrid::Point p = grid_.point(vertex);
-        f.dx[i] = spread(p.x, grid_.width());
-        f.dy[i] = spread(p.y, grid_.width());
-        f.dz[i] = spread(p.z, grid_.height());
+        f.dx[i] = spread(p.x, step_xy_);
+        f.dy[i] = spread(p.y, step_xy_);
+        f.dz[i] = spread(p.z, step_z_);
         const std::uint64_t h = mix_bits(seed_ ^ (vertex * 0x9e3779b97f4a7c15ULL));
         const auto field = [h](int shift) {  // 12 bits, -1 .. 1
             return static_cast<float>(static_cast<std::int32_t>((h >> shift) & 0xfff)) *
@@ -202,7 +204,7 @@ void ScanSurface::shape(Fields& f) const {
         float r = 1 + 0.20F * f.large_a[i] + 0.10F * f.radius[i] + f.relief[i];
 
         const float across =
-            std::abs(0.33F * x + 0.21F * y + 0.92F * z + 0.34F + 0.10F * f.large_c[i]);
+            std::abs(0.45F * x + 0.25F * y + 0.86F * z - 0.02F + 0.10F * f.large_c[i]);
         r -= kGrooveDepth * std::max(1 - across * (1 / kGrooveHalfWidth), 0.0F);
 
         // Planes cut the body: along a direction, their distance is h / cosine. Stone breaks rough,
@@ -222,8 +224,8 @@ void ScanSurface::bend(Fields& f, Samples& out) const {
         const float u = (z + 0.10F) * (1 / 0.30F);
         const float bell = 1 / ((1 + u * u) * (1 + u * u));
         const float low = smooth_step(0.05F, 0.70F, -z);
-        const float wide = 0.62F * (1 - 0.36F * bell) * (1 + 0.42F * low);
-        const float deep = 0.62F * (1 - 0.30F * bell) * (1 + 0.06F * low);
+        const float wide = 0.62F * (1 - 0.30F * bell) * (1 + 0.30F * low);
+        const float deep = 0.62F * (1 - 0.26F * bell) * (1 + 0.04F * low);
         out.x[i] = wide * f.dx[i] * f.radius[i] + 0.08F * z * z;
         out.y[i] = deep * f.dy[i] * f.radius[i] - 0.10F * z;
         out.z[i] = z;
@@ -239,18 +241,19 @@ void ScanSurface::paint(const Fields& f, Samples& out) const {
     constexpr Rgb kPale{214, 196, 164};
     constexpr Rgb kWarm{176, 120, 84};
     constexpr Rgb kBlue{48, 84, 132};
-    constexpr Rgb kRed{158, 42, 40};
+    constexpr Rgb kGreen{62, 118, 74};
     constexpr Rgb kGold{226, 178, 64};
     for (std::size_t i = 0; i < kBlock; ++i) {
         const float blend = smooth_step(-0.4F, 0.4F, broad[i]);
         Rgb c{};
         for (std::size_t k = 0; k < 3; ++k) c[k] = kPale[k] + blend * (kWarm[k] - kPale[k]);
-        // Painted cloth with a golden hem, and patches of red that follow the pattern: sharp edges.
+        // Painted cloth with a golden hem, and patches of green that follow the pattern: sharp
+        // edges.
         const float hem = f.dz[i] + 0.12F * f.large_a[i] + 0.22F;
         if (hem < 0) c = kBlue;
         if (hem < 0 && std::abs(fine[i]) < 0.06F) c = kGold;
         if (hem >= 0 && hem < 0.05F) c = kGold;
-        if (hem > 0.1F && broad[i] > 0.33F) c = kRed;
+        if (hem > 0.1F && broad[i] > 0.33F) c = kGreen;
         // Dust in the hollows, worn light on the heights.
         const float light =
             0.95F + 2.0F * std::min(std::max(f.relief[i], -0.15F), 0.10F) + 0.10F * fine[i];

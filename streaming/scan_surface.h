@@ -72,6 +72,8 @@ class ScanSurface {
     BoxGrid grid_;
     std::uint64_t seed_;
     std::uint64_t n_octaves_made_ = 0;
+    double step_xy_;  // between grid points of a cube from -1 to 1
+    double step_z_;
     float spacing_;
     std::array<Octave, 3> large_;  // three independent fields of the lowest frequency
     Octave lobes_;
