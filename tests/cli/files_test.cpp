@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+/// What happens to files: bad inputs, outputs that exist, full disks, interrupts.
+#include <gtest/gtest.h>
+#include <sys/mount.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/cli/run_program.h"
+
+namespace hewer::test {
+namespace {
+
+using Names = std::vector<std::string>;
+
+void expect_error(const Outcome& outcome, int code, const std::string& part) {
+    EXPECT_EQ(outcome.code, code) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_TRUE(outcome.err.starts_with("hewer: error: ")) << outcome.err;
+    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
+}
+
+TEST(CliInput, that_does_not_exist_is_an_io_error) {
+    const ScratchDir dir;
+    expect_error(run_program({"info", dir.file("absent.ply")}), 4, "absent.ply");
+    expect_error(
+        run_program({"simplify", dir.file("absent.ply"), "-o", dir.file("a.ply"), "--ratio", "5%"}),
+        4, "absent.ply");
+    EXPECT_EQ(dir.list(), Names{});
+}
+
+TEST(CliInput, that_is_a_folder_is_an_io_error) {
+    const ScratchDir dir;
+    expect_error(run_program({"info", dir.path()}), 4, "directory");
+}
+
+TEST(CliInput, that_is_no_mesh_is_a_format_error) {
+    const ScratchDir dir;
+    write_file(dir.file("a.ply"), "This is a letter, not a mesh.\n");
+    expect_error(run_program({"info", dir.file("a.ply")}), 3, "a.ply");
+    expect_error(
+        run_program({"simplify", dir.file("a.ply"), "-o", dir.file("b.ply"), "--ratio", "5%"}), 3,
+        "a.ply");
+    EXPECT_EQ(dir.list(), Names{"a.ply"});
+}
+
+TEST(CliInput, that_is_cut_short_is_a_format_error) {
+    const ScratchDir dir;
+    write_hills(dir.file("whole.ply"), 20);
+    const std::string whole = read_file(dir.file("whole.ply"));
+    write_file(dir.file("cut.ply"), whole.substr(0, whole.size() / 2));
+    expect_error(
+        run_program({"simplify", dir.file("cut.ply"), "-o", dir.file("b.ply"), "--ratio", "5%"}), 3,
+        "cut.ply");
+    EXPECT_EQ(dir.list(), (Names{"cut.ply", "whole.ply"}));
+}
+
+TEST(CliOutput, that_exists_is_kept_without_force) {
+    const ScratchDir dir;
+    write_hills(dir.file("in.ply"), 20);
+    write_file(dir.file("out.ply"), "precious");
+    write_file(dir.file("report.json"), "precious");
+    const std::vector<std::string> args{"simplify",          dir.file("in.ply"), "-o",
+                                        dir.file("out.ply"), "--ratio",          "20%"};
+    expect_error(run_program(args), 2, "--force");
+    EXPECT_EQ(read_file(dir.file("out.ply")), "precious");
+    expect_error(run_program({"simplify", dir.file("in.ply"), "-o", dir.file("new.ply"), "--ratio",
+                              "20%", "--report", dir.file("report.json")}),
+                 2, "--force");
+    EXPECT_EQ(read_file(dir.file("report.json")), "precious");
+    expect_error(run_program({"generate", dir.file("out.ply")}), 2, "--force");
+    EXPECT_EQ(read_file(dir.file("out.ply")), "precious");
+    EXPECT_EQ(dir.list(), (Names{"in.ply", "out.ply", "report.json"}));
+
+    std::vector<std::string> forced = args;
+    forced.emplace_back("--force");
+    EXPECT_EQ(run_program(forced).code, 0);
+    EXPECT_TRUE(read_file(dir.file("out.ply")).starts_with("ply\n"));
+}
+
+TEST(CliOutput, one_of_the_levels_that_exists_is_kept_without_force) {
+    const ScratchDir dir;
+    write_hills(dir.file("in.ply"), 20);
+    write_file(dir.file("out_lod1.ply"), "precious");
+    expect_error(run_program({"simplify", dir.file("in.ply"), "-o", dir.file("out.ply"), "--lods",
+                              "400,100"}),
+                 2, "out_lod1.ply");
+    EXPECT_EQ(read_file(dir.file("out_lod1.ply")), "precious");
+    EXPECT_EQ(dir.list(), (Names{"in.ply", "out_lod1.ply"}));
+}
+
+TEST(CliOutput, on_a_full_disk_is_an_io_error_and_leaves_no_file) {
+    const ScratchDir dir;
+    if (::geteuid() != 0 ||
+        ::mount("tmpfs", dir.path().c_str(), "tmpfs", 0, "size=1m,mode=0700") != 0) {
+        GTEST_SKIP() << "needs root and the right to mount a small tmpfs";
+    }
+    const Outcome outcome = run_program({"generate", dir.file("big.ply"), "--triangles", "1M"});
+    const Names left = dir.list();
+    ::umount(dir.path().c_str());
+    expect_error(outcome, 4, "big.ply");
+    EXPECT_NE(outcome.err.find("free some space"), std::string::npos) << outcome.err;
+    EXPECT_EQ(left, Names{});
+}
+
+class CliSignal : public testing::TestWithParam<std::pair<int, int>> {};
+
+TEST_P(CliSignal, ends_the_run_and_leaves_no_file) {
+    const auto [signal, code] = GetParam();
+    const ScratchDir dir;
+    RunningProgram program({"generate", dir.file("big.ply"), "--triangles", "200M"});
+    // The temporary file shows that the run is under way.
+    for (int i = 0; i < 10'000 && dir.list().empty(); ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    program.send(signal);
+    const Outcome outcome = program.wait();
+    EXPECT_EQ(outcome.code, code) << outcome.err;
+    EXPECT_NE(outcome.err.find("interrupted"), std::string::npos) << outcome.err;
+    EXPECT_EQ(dir.list(), Names{});
+}
+
+INSTANTIATE_TEST_SUITE_P(Cli, CliSignal,
+                         testing::Values(std::pair{SIGINT, 130}, std::pair{SIGTERM, 143},
+                                         std::pair{SIGHUP, 143}),
+                         [](const testing::TestParamInfo<std::pair<int, int>>& info) {
+                             return std::string(::sigabbrev_np(info.param.first));
+                         });
+
+}  // namespace
+}  // namespace hewer::test

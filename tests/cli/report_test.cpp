@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: MIT
+/// What machines read: reports, JSON on standard output, progress lines.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include "tests/cli/run_program.h"
+
+namespace hewer::test {
+namespace {
+
+using nlohmann::json;
+using Keys = std::set<std::string>;
+
+Keys keys_of(const json& object) {
+    Keys keys;
+    for (const auto& [key, value] : object.items()) keys.insert(key);
+    return keys;
+}
+
+const Keys kInputKeys{"path",      "format", "bytes",         "vertices",       "faces",
+                      "triangles", "bounds", "has_normals",   "has_colors",     "ignored",
+                      "defects",   "area",   "vertex_passes", "triangle_passes"};
+
+TEST(CliInfo, tells_counts_bounds_and_area) {
+    const ScratchDir dir;
+    write_file(dir.file("square.ply"),
+               "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
+               "property float z\nelement face 3\nproperty list uchar int vertex_indices\n"
+               "end_header\n0 0 0\n2 0 0\n2 2 0\n0 2 0\nnan 0 0\n4 0 1 2 3\n3 0 1 1\n3 0 1 4\n");
+    const Outcome outcome = run_program({"info", dir.file("square.ply"), "--json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const json info = json::parse(outcome.out);
+    EXPECT_EQ(info["vertices"], 5);
+    EXPECT_EQ(info["faces"], 3);
+    EXPECT_EQ(info["triangles"], 3);
+    EXPECT_EQ(info["area"], 4.0);
+    EXPECT_EQ(info["bounds"]["max"], (json{2, 2, 0}));
+    EXPECT_EQ(info["defects"]["polygons"], 1);
+    EXPECT_EQ(info["defects"]["degenerate_triangles"], 1);
+    EXPECT_EQ(info["defects"]["nonfinite_vertices"], 1);
+    EXPECT_EQ(info["defects"]["nonfinite_triangles"], 1);
+    EXPECT_NE(info["defects"]["first_nonfinite"].get<std::string>().find("vertex 4"),
+              std::string::npos);
+    EXPECT_EQ(info["ignored"], json::array());
+    const Keys keys = keys_of(info);
+    for (const std::string& key : kInputKeys) EXPECT_EQ(keys.count(key), 1U) << key;
+}
+
+TEST(CliInfo, says_the_same_for_any_number_of_threads) {
+    const ScratchDir dir;
+    write_hills(dir.file("in.ply"), 200);
+    const std::string one =
+        run_program({"info", dir.file("in.ply"), "--json", "--threads", "1"}).out;
+    const std::string many =
+        run_program({"info", dir.file("in.ply"), "--json", "--threads", "7"}).out;
+    EXPECT_EQ(json::parse(one)["triangles"], 80000);
+    EXPECT_EQ(one, many);
+}
+
+TEST(CliInfo, leaves_out_the_area_when_the_vertices_do_not_fit) {
+    const ScratchDir dir;
+    write_hills(dir.file("in.ply"), 600);  // 361,201 vertices, 12 bytes each
+    const Outcome outcome = run_program({"info", dir.file("in.ply"), "--json", "--memory", "18M"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const json info = json::parse(outcome.out);
+    EXPECT_EQ(info["area"], 0.0);
+    EXPECT_EQ(info["triangles"], 720000);
+    EXPECT_NE(outcome.err.find("hewer: warning: "), std::string::npos) << outcome.err;
+}
+
+TEST(CliReport, of_simplify_has_all_figures) {
+    const ScratchDir dir;
+    write_hills(dir.file("in.ply"), 60);
+    const Outcome outcome =
+        run_program({"simplify", dir.file("in.ply"), "-o", dir.file("out.ply"), "--triangles",
+                     "0.5k", "--threads", "2", "--report", dir.file("report.json")});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("7,200 triangles"), std::string::npos) << outcome.out;
+    const json report = json::parse(read_file(dir.file("report.json")));
+    EXPECT_EQ(keys_of(report),
+              (Keys{"version", "command", "options", "input", "grid", "refined_clusters",
+                    "collapses", "lods", "stages", "warnings", "seconds", "bytes_read",
+                    "bytes_written", "peak_budget_bytes", "peak_resident_bytes", "result_hash"}));
+    EXPECT_EQ(keys_of(report["input"]), kInputKeys);
+    EXPECT_EQ(keys_of(report["grid"]),
+              (Keys{"cell_size", "dimensions", "occupied_cells", "border_cells",
+                    "surviving_triangles", "is_consistently_wound"}));
+    ASSERT_EQ(report["lods"].size(), 1U);
+    const json& lod = report["lods"][0];
+    EXPECT_EQ(keys_of(lod),
+              (Keys{"path", "target", "target_triangles", "triangles", "vertices", "bounds",
+                    "error_bound", "lost_cells", "topology", "is_nested", "bytes"}));
+    EXPECT_EQ(lod["target"], (json{{"kind", "triangles"}, {"value", 500}}));
+    EXPECT_LE(lod["triangles"], 500);
+    EXPECT_GE(lod["triangles"], 495);
+    ASSERT_FALSE(report["stages"].empty());
+    EXPECT_EQ(keys_of(report["stages"][0]), (Keys{"name", "seconds", "bytes_read", "bytes_written",
+                                                  "peak_budget_bytes", "peak_resident_bytes"}));
+    EXPECT_EQ(report["options"]["triangles"], 500);
+    EXPECT_EQ(report["options"]["ratio"], nullptr);
+    EXPECT_EQ(report["options"]["method"], "refine");
+    EXPECT_EQ(report["options"]["threads"], 2);
+    EXPECT_EQ(report["options"]["strict"], false);
+    EXPECT_GT(report["options"]["memory"], 0) << "the default is filled in";
+    EXPECT_EQ(report["input"]["triangles"], 7200);
+}
+
+TEST(CliReport, of_measure_has_all_figures) {
+    const ScratchDir dir;
+    write_hills(dir.file("in.ply"), 30);
+    write_hills(dir.file("coarse.ply"), 15);
+    const Outcome outcome = run_program({"measure", dir.file("in.ply"), dir.file("coarse.ply"),
+                                         "--samples", "10k", "--report", dir.file("report.json")});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("maximum"), std::string::npos) << outcome.out;
+    const json report = json::parse(read_file(dir.file("report.json")));
+    EXPECT_EQ(keys_of(report), (Keys{"version", "command", "options", "forward", "backward",
+                                     "bounds", "diagonal", "original_triangles",
+                                     "simplified_triangles", "seconds", "peak_resident_bytes"}));
+    const Keys distance{"maximum",    "mean",       "rms",       "vertex_maximum", "vertex_mean",
+                        "vertex_rms", "n_vertices", "n_samples", "worst"};
+    EXPECT_EQ(keys_of(report["forward"]), distance);
+    EXPECT_EQ(keys_of(report["backward"]), distance);
+    EXPECT_EQ(report["original_triangles"], 1800);
+    EXPECT_GT(report["forward"]["maximum"], 0);
+}
+
+TEST(CliPlan, prints_json_on_request) {
+    const ScratchDir dir;
+    write_hills(dir.file("in.ply"), 60);
+    const Outcome outcome = run_program(
+        {"plan", dir.file("in.ply"), "--triangles", "500", "--memory", "512M", "--json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const json plan = json::parse(outcome.out);
+    EXPECT_EQ(plan["memory_limit_bytes"], 512U << 20);
+    EXPECT_EQ(plan["target_triangles"], 500);
+    EXPECT_TRUE(plan["fits"].is_boolean());
+}
+
+TEST(CliProgress, json_is_one_object_a_line_and_never_goes_back) {
+    const ScratchDir dir;
+    write_hills(dir.file("in.ply"), 100);
+    const Outcome outcome = run_program({"info", dir.file("in.ply"), "--progress", "json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    std::istringstream lines(outcome.err);
+    int n_lines = 0;
+    double fraction = 0;
+    for (std::string line; std::getline(lines, line); ++n_lines) {
+        const json progress = json::parse(line);
+        EXPECT_EQ(keys_of(progress), (Keys{"stage", "stage_fraction", "fraction", "elapsed_seconds",
+                                           "remaining_seconds", "done", "total", "unit"}));
+        EXPECT_GE(progress["fraction"].get<double>(), fraction);
+        fraction = progress["fraction"];
+    }
+    EXPECT_GE(n_lines, 4) << "begin and end of two stages";
+    EXPECT_EQ(fraction, 1.0);
+}
+
+TEST(CliProgress, bar_is_erased_at_the_end) {
+    const ScratchDir dir;
+    write_hills(dir.file("in.ply"), 100);
+    const Outcome outcome = run_program({"info", dir.file("in.ply"), "--progress", "bar"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find('%'), std::string::npos);
+    EXPECT_TRUE(outcome.err.ends_with("\r\033[K")) << outcome.err;
+}
+
+TEST(CliProgress, is_silent_when_standard_error_is_no_terminal) {
+    const ScratchDir dir;
+    write_hills(dir.file("in.ply"), 10);
+    EXPECT_EQ(run_program({"info", dir.file("in.ply")}).err, "");
+}
+
+TEST(CliSimplify, quiet_prints_nothing) {
+    const ScratchDir dir;
+    write_hills(dir.file("in.ply"), 20);
+    const Outcome outcome = run_program(
+        {"simplify", dir.file("in.ply"), "-o", dir.file("out.ply"), "--ratio", "20%", "--quiet"});
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_EQ(outcome.out + outcome.err, "");
+}
+
+TEST(CliSimplify, uniform_with_a_cell_size_needs_no_target) {
+    const ScratchDir dir;
+    write_hills(dir.file("in.ply"), 60);
+    const Outcome outcome = run_program({"simplify", dir.file("in.ply"), "-o", dir.file("out.ply"),
+                                         "--method", "uniform", "--cell", "0.1"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(read_file(dir.file("out.ply")).starts_with("ply\n"));
+}
+
+}  // namespace
+}  // namespace hewer::test
