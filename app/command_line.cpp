@@ -98,15 +98,18 @@ std::variant<Arguments, HelpText> parse_command(const CommandSpec& command,
     } catch (const CLI::ExtrasError&) {
         throw InvalidArgument(describe_extras(command.command, app.remaining()));
     } catch (const CLI::ArgumentMismatch& e) {
+        const auto twice = std::find_if(slots.begin(), slots.end(),
+                                        [](const Slot& s) { return s.option->count() > 1; });
+        if (twice != slots.end()) {
+            throw InvalidArgument(std::string(long_name(*twice->spec)) +
+                                  " is given more than once");
+        }
         const std::string text = e.what();  // "--cell: 1 required TEXT missing"
         throw InvalidArgument(text.substr(0, text.find(':')) + ": its value is missing");
     }
     Arguments arguments(command.command);
     for (const Slot& slot : slots) {
         const OptionSpec& o = *slot.spec;
-        if (slot.option->count() > 1 && o.type != ValueType::Flag) {
-            throw InvalidArgument(std::string(long_name(o)) + " is given more than once");
-        }
         if (slot.option->count() != 0) {
             arguments.set(o, slot.texts.empty() ? std::string() : slot.texts.front());
         } else if (o.is_required) {

@@ -36,7 +36,7 @@ struct Decimal {
 
 constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();
 
-Decimal split_decimal(std::string_view text, const std::string& expected) {
+Decimal split_decimal(std::string_view text, const std::string& expectation) {
     Decimal d;
     std::size_t i = 0;
     bool has_digits = false;
@@ -54,7 +54,7 @@ Decimal split_decimal(std::string_view text, const std::string& expected) {
             has_digits = true;
         }
     }
-    if (!has_digits) refuse(text, "is not " + expected);
+    if (!has_digits) refuse(text, "is not " + expectation);
     d.suffix = text.substr(i);
     return d;
 }
@@ -120,11 +120,11 @@ bool is_written_as_ratio(std::string_view text) {
 }  // namespace
 
 std::uint64_t parse_count(std::string_view text) {
-    static const std::string kExpected = "a count; write for example 250000, 250k or 1.5M";
-    const Decimal d = split_decimal(text, kExpected);
+    static const std::string expected = "a count; write for example 250000, 250k or 1.5M";
+    const Decimal d = split_decimal(text, expected);
     if (d.suffix == "%") refuse(text, "is a share, not a count; --ratio takes shares");
     const Suffix* suffix = find_suffix(kCountSuffixes, d.suffix);
-    if (suffix == nullptr) refuse(text, "is not " + kExpected);
+    if (suffix == nullptr) refuse(text, "is not " + expected);
     bool is_even = true;
     const std::uint64_t count = multiply(text, d, suffix->unit, is_even);
     if (!is_even) refuse(text, "is not a whole number");
@@ -132,8 +132,8 @@ std::uint64_t parse_count(std::string_view text) {
 }
 
 std::uint64_t parse_bytes(std::string_view text) {
-    static const std::string kExpected = "a size; write for example 512M, 1.5GiB or 65536";
-    const Decimal d = split_decimal(text, kExpected);
+    static const std::string expected = "a size; write for example 512M, 1.5GiB or 65536";
+    const Decimal d = split_decimal(text, expected);
     if (d.suffix == "KB" || d.suffix == "kB" || d.suffix == "MB" || d.suffix == "GB" ||
         d.suffix == "TB") {
         refuse(text, "may mean powers of 1000 or of 1024; write " +
@@ -141,7 +141,7 @@ std::uint64_t parse_bytes(std::string_view text) {
                          "iB for powers of 1024");
     }
     const Suffix* suffix = find_suffix(kByteSuffixes, d.suffix);
-    if (suffix == nullptr) refuse(text, "is not " + kExpected);
+    if (suffix == nullptr) refuse(text, "is not " + expected);
     bool is_even = true;
     const std::uint64_t bytes = multiply(text, d, suffix->unit, is_even);
     if (!is_even && suffix->unit == 1) refuse(text, "is not a whole number of bytes");

@@ -16,8 +16,8 @@ bool is_same_file(const fs::path& a, const fs::path& b) {
     std::error_code code;
     if (fs::equivalent(a, b, code)) return true;
     // One of them is not there yet: compare the names that they would have.
-    const fs::path full_a = fs::weakly_canonical(a, code);
-    const fs::path full_b = fs::weakly_canonical(b, code);
+    const fs::path full_a = fs::weakly_canonical(fs::absolute(a, code), code);
+    const fs::path full_b = fs::weakly_canonical(fs::absolute(b, code), code);
     return !full_a.empty() && full_a == full_b;
 }
 

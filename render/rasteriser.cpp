@@ -47,7 +47,7 @@ std::uint32_t pack(const Color& c, double light) {
     std::uint32_t packed = 0;
     for (const float channel : c) {
         const double v = std::clamp(static_cast<double>(channel) * light, 0.0, 1.0);
-        packed = packed << 8 | static_cast<std::uint32_t>(v * 255 + 0.5);
+        packed = packed << 8 | static_cast<std::uint32_t>(std::lround(v * 255));
     }
     return packed;
 }

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <mutex>
 #include <numbers>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -69,10 +71,15 @@ ooc::Array<CellTriple> settle_duplicates(ooc::Context& context, std::span<const 
                 const auto [low, high] = p->unwound();
                 int sum = 0;
                 while (p != last && p->unwound() == std::pair(low, high)) sum += (p++)->sign();
-                const RestOfFace face = sum > 0 ? RestOfFace{low, high} : RestOfFace{high, low};
-                for (int copies = is_closed ? std::abs(sum) : std::min(1, std::abs(sum));
-                     copies > 0; --copies) {
+                const RestOfFace face{low, high};
+                const RestOfFace opposite{high, low};
+                if (sum == 0) {
                     *out++ = face;
+                    *out++ = opposite;
+                    continue;
+                }
+                for (int copies = is_closed ? std::abs(sum) : 1; copies > 0; --copies) {
+                    *out++ = sum > 0 ? face : opposite;
                 }
             }
             kept[v] = static_cast<std::uint32_t>(out - first);
@@ -195,32 +202,49 @@ std::uint32_t name_fans(std::span<const CellTriple> faces, std::span<const std::
 std::uint64_t cut_double_edges(ooc::Context& context, std::span<const CellTriple> named,
                                std::uint64_t n_vertices, bool is_stuck,
                                std::span<std::uint32_t> opposite) {
-    std::atomic<std::uint64_t> n_cut{0};
-    for_each_edge(
-        context, named, n_vertices, [&](std::uint32_t low, std::span<const HalfEdge> group) {
-            if (group.size() < 3) return;
-            if (is_stuck || group.size() == 3) {
-                for (const HalfEdge& h : group) opposite[h.id] = kNoIndex;
-                n_cut.fetch_add(1, std::memory_order_relaxed);
-                return;
-            }
-            const auto is_forward = [&](std::uint32_t id) { return named[id / 3][id % 3] == low; };
-            const std::uint32_t p = group[0].id;
-            const std::uint32_t q = opposite[p];
-            n_cut.fetch_add(1, std::memory_order_relaxed);
-            for (const HalfEdge& candidate : group) {
+    struct Edge {
+        std::uint32_t low;
+        std::vector<HalfEdge> group;
+    };
+    std::vector<Edge> crowded;
+    std::mutex mutex;
+    for_each_edge(context, named, n_vertices, [&](std::uint32_t low, std::span<const HalfEdge> group) {
+        if (group.size() < 3) return;
+        const std::lock_guard lock(mutex);
+        crowded.push_back({low, {group.begin(), group.end()}});
+    });
+    std::sort(crowded.begin(), crowded.end(), [](const Edge& a, const Edge& b) {
+        return a.low != b.low ? a.low < b.low : a.group[0].other < b.group[0].other;
+    });
+    // One cut at a vertex in a round: two could undo each other.
+    std::unordered_set<std::uint32_t> used;
+    for (const auto& [low, group] : crowded) {
+        if (used.contains(low) || used.contains(group[0].other)) continue;
+        used.insert(low);
+        used.insert(group[0].other);
+        const auto is_forward = [&, v = low](std::uint32_t id) {
+            return named[id / 3][id % 3] == v;
+        };
+        const std::uint32_t p = group[0].id;
+        const std::uint32_t q = opposite[p];
+        const auto partner =
+            std::find_if(group.begin(), group.end(), [&](const HalfEdge& candidate) {
                 const std::uint32_t r = candidate.id;
-                const std::uint32_t s = opposite[r];
-                if (r == p || r == q || s == kNoIndex || q == kNoIndex) continue;
-                if (is_forward(r) != is_forward(p)) continue;
-                opposite[p] = s;
-                opposite[s] = p;
-                opposite[r] = q;
-                opposite[q] = r;
-                return;
-            }
-        });
-    return n_cut;
+                return r != p && r != q && opposite[r] != kNoIndex &&
+                       is_forward(r) == is_forward(p);
+            });
+        if (is_stuck || q == kNoIndex || partner == group.end()) {
+            for (const HalfEdge& h : group) opposite[h.id] = kNoIndex;
+            continue;
+        }
+        const std::uint32_t r = partner->id;
+        const std::uint32_t s = opposite[r];
+        opposite[p] = s;
+        opposite[s] = p;
+        opposite[r] = q;
+        opposite[q] = r;
+    }
+    return crowded.size();
 }
 
 /// Folding pinches off bubbles: small closed components that share clusters with a larger one. They

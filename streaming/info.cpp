@@ -22,31 +22,6 @@ namespace hewer {
 
 namespace {
 
-// The defects of many batches, met in any order, as if they had been met in file order.
-class OrderedDefects {
-  public:
-    void add(std::uint64_t first, const InputDefects& defects) {
-        keep_first(defects.first_nonfinite, first, nonfinite_at_, sum_.first_nonfinite);
-        keep_first(defects.first_out_of_range, first, out_of_range_at_, sum_.first_out_of_range);
-        InputDefects counts = defects;
-        counts.first_nonfinite.clear();
-        counts.first_out_of_range.clear();
-        sum_.merge(counts);
-    }
-    [[nodiscard]] const InputDefects& sum() const { return sum_; }
-
-  private:
-    static void keep_first(const std::string& text, std::uint64_t at, std::uint64_t& best_at,
-                           std::string& best) {
-        if (text.empty() || (!best.empty() && at >= best_at)) return;
-        best_at = at;
-        best = text;
-    }
-    InputDefects sum_;
-    std::uint64_t nonfinite_at_ = 0;
-    std::uint64_t out_of_range_at_ = 0;
-};
-
 // Sums of doubles that do not depend on the order of the batches: each batch adds up by itself, the
 // batches by their place in the file. 16 bytes for a batch of thousands of triangles.
 class OrderedSum {
@@ -131,7 +106,7 @@ class Inspector {
                 {
                     const std::lock_guard lock(mutex_);
                     bounds_.extend(bounds);
-                    vertex_defects_.add(batch.first, batch.defects);
+                    defects_.merge(batch.defects);
                 }
                 context_.advance(batch.positions.size());
             }
@@ -155,8 +130,7 @@ class Inspector {
     void fill(InputReport& report) {
         report.bounds = bounds_;
         report.triangles = n_triangles_;
-        report.defects = vertex_defects_.sum();
-        report.defects.merge(triangle_defects_.sum());
+        report.defects = defects_;
         report.defects.nonfinite_triangles += n_nonfinite_;
         report.defects.degenerate_triangles += n_degenerate_;
         report.area = area_.total();
@@ -192,7 +166,7 @@ class Inspector {
         }
         const std::lock_guard lock(mutex_);
         bounds_.extend(bounds);
-        triangle_defects_.add(batch.first_face, batch.defects);
+        defects_.merge(batch.defects);
         n_triangles_ += batch.corners.size() + batch.points.size() - n_nonfinite;
         n_nonfinite_ += n_nonfinite;
         n_degenerate_ += n_degenerate;
@@ -203,8 +177,7 @@ class Inspector {
     ooc::Context& context_;
     Positions positions_;
     std::mutex mutex_;
-    OrderedDefects vertex_defects_;
-    OrderedDefects triangle_defects_;
+    InputDefects defects_;
     Bounds bounds_;
     std::uint64_t n_triangles_ = 0;
     std::uint64_t n_nonfinite_ = 0;

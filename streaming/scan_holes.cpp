@@ -16,7 +16,7 @@ namespace {
 constexpr std::array kRadii{0.21F,  0.15F,  0.11F, 0.085F, 0.06F, 0.06F, 0.045F,
                             0.032F, 0.025F, 0.02F, 0.015F, 0.01F, 0.01F};
 // The rim lies between these shares of the radius, but for one sampling distance.
-constexpr float kRimNoise = 0.45F;
+constexpr float kRimNoise = 0.35F;
 // Sampling distances by which a neighbour can be nearer, and the white noise on the rim.
 constexpr float kNeighbour = 3;
 constexpr float kRimJitter = 1.2F;

@@ -29,8 +29,7 @@ constexpr float kGrooveHalfWidth = 0.038F;
 constexpr float kBaseHeight = 0.76F;     // of the body's centre above its base
 constexpr float kFacetDistance = 0.90F;  // of the broken facet from the centre
 
-// Shares of the sampling distance. Neighbours come closer than half of it only in rare pairs, and
-// no triangle of the sphere turns over: that takes 0.25.
+// Shares of the sampling distance. With these no triangle of the sphere turns over.
 constexpr float kHeightNoise = 0.17F;  // triangular: standard deviation 0.41 of it
 constexpr float kSideNoise = 0.10F;
 
@@ -40,14 +39,6 @@ constexpr float kTwoToMinus20 = 1.0F / 1048576;
 inline float smooth_step(float from, float to, float x) {
     const float t = std::min(std::max((x - from) / (to - from), 0.0F), 1.0F);
     return t * t * (3 - 2 * t);
-}
-
-/// About tan(pi/4 t), which spreads the grid of a cube's face evenly over the sphere, for
-/// t = step * i - 1 in -1 .. 1.
-inline float spread(std::uint32_t i, double step) {
-    const double t = step * static_cast<double>(i) - 1.0;
-    const double t2 = t * t;
-    return static_cast<float>(t * (0.7854 + t2 * (0.1615 + t2 * 0.0531)));
 }
 
 }  // namespace
@@ -96,14 +87,6 @@ ScanSurface::Octave ScanSurface::make_octave(float frequency, float amplitude) {
             amplitude,
             {fraction(h), fraction(h >> 20), fraction(h >> 40)},
             static_cast<std::uint32_t>(mix_bits(h))};
-}
-
-std::array<float, 3> ScanSurface::direction(const BoxGrid::Point& p) const {
-    const float x = spread(p.x, step_xy_);
-    const float y = spread(p.y, step_xy_);
-    const float z = spread(p.z, step_z_);
-    const float inverse = 1 / std::sqrt(x * x + y * y + z * z);
-    return {x * inverse, y * inverse, z * inverse};
 }
 
 void ScanSurface::evaluate(std::span<const std::uint64_t> vertices, bool with_color,

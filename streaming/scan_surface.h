@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -13,7 +14,7 @@
 
 namespace hewer::streaming {
 
-/// A stone bust of about 1.3 x 1.2 x 1.7 units, as a structured-light scanner sees it: a rounded
+/// A stone bust of about 1.35 x 1.25 x 1.8 units, as a structured-light scanner sees it: a rounded
 /// body with lobes and a neck, weathered relief on all scales that the sampling resolves (each
 /// about half as wide and half as high as the one before), ridges in one region, worn smooth parts,
 /// a V-shaped groove around it, a sawn flat base and a broken-off facet (all with sharp edges), and
@@ -47,7 +48,13 @@ class ScanSurface {
     void evaluate(std::span<const std::uint64_t> vertices, bool with_color, Samples& out) const;
 
     /// The grid point's place on the unit sphere, before noise.
-    [[nodiscard]] std::array<float, 3> direction(const BoxGrid::Point& p) const;
+    [[nodiscard]] std::array<float, 3> direction(const BoxGrid::Point& p) const {
+        const float x = spread(p.x, step_xy_);
+        const float y = spread(p.y, step_xy_);
+        const float z = spread(p.z, step_z_);
+        const float inverse = 1 / std::sqrt(x * x + y * y + z * z);
+        return {x * inverse, y * inverse, z * inverse};
+    }
     /// Mean distance of neighbours on the unit sphere.
     [[nodiscard]] float spacing() const { return spacing_; }
 
@@ -61,6 +68,13 @@ class ScanSurface {
     };
     struct Fields;
 
+    /// About tan(pi/4 t), which spreads the grid of a cube's face evenly over the sphere, for
+    /// t = step * i - 1 in -1 .. 1.
+    static float spread(std::uint32_t i, double step) {
+        const double t = step * static_cast<double>(i) - 1.0;
+        const double t2 = t * t;
+        return static_cast<float>(t * (0.7854 + t2 * (0.1615 + t2 * 0.0531)));
+    }
     Octave make_octave(float frequency, float amplitude);
     static void add_octave(const Octave& octave, const Block<float>& x, const Block<float>& y,
                            const Block<float>& z, Block<float>& sum);

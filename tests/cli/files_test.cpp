@@ -129,8 +129,8 @@ TEST_P(CliSignal, ends_the_run_and_leaves_no_file) {
 INSTANTIATE_TEST_SUITE_P(Cli, CliSignal,
                          testing::Values(std::pair{SIGINT, 130}, std::pair{SIGTERM, 143},
                                          std::pair{SIGHUP, 143}),
-                         [](const testing::TestParamInfo<std::pair<int, int>>& info) {
-                             return std::string(::sigabbrev_np(info.param.first));
+                         [](const testing::TestParamInfo<std::pair<int, int>>& test) {
+                             return std::string(::sigabbrev_np(test.param.first));
                          });
 
 }  // namespace

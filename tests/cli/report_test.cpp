@@ -21,7 +21,7 @@ Keys keys_of(const json& object) {
     return keys;
 }
 
-const Keys kInputKeys{"path",      "format", "bytes",         "vertices",       "faces",
+const Keys input_keys{"path",      "format", "bytes",         "vertices",       "faces",
                       "triangles", "bounds", "has_normals",   "has_colors",     "ignored",
                       "defects",   "area",   "vertex_passes", "triangle_passes"};
 
@@ -47,7 +47,7 @@ TEST(CliInfo, tells_counts_bounds_and_area) {
               std::string::npos);
     EXPECT_EQ(info["ignored"], json::array());
     const Keys keys = keys_of(info);
-    for (const std::string& key : kInputKeys) EXPECT_EQ(keys.count(key), 1U) << key;
+    for (const std::string& key : input_keys) EXPECT_EQ(keys.count(key), 1U) << key;
 }
 
 TEST(CliInfo, says_the_same_for_any_number_of_threads) {
@@ -85,7 +85,7 @@ TEST(CliReport, of_simplify_has_all_figures) {
               (Keys{"version", "command", "options", "input", "grid", "refined_clusters",
                     "collapses", "lods", "stages", "warnings", "seconds", "bytes_read",
                     "bytes_written", "peak_budget_bytes", "peak_resident_bytes", "result_hash"}));
-    EXPECT_EQ(keys_of(report["input"]), kInputKeys);
+    EXPECT_EQ(keys_of(report["input"]), input_keys);
     EXPECT_EQ(keys_of(report["grid"]),
               (Keys{"cell_size", "dimensions", "occupied_cells", "border_cells",
                     "surviving_triangles", "is_consistently_wound"}));

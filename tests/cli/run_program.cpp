@@ -14,8 +14,6 @@
 #include <sstream>
 #include <stdexcept>
 
-extern char** environ;
-
 namespace hewer::test {
 
 ScratchDir::ScratchDir() {
@@ -42,6 +40,7 @@ RunningProgram::RunningProgram(const std::vector<std::string>& args) {
     std::vector<std::string> words{HEWER_PROGRAM};
     words.insert(words.end(), args.begin(), args.end());
     std::vector<char*> argv;
+    argv.reserve(words.size() + 1);
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
 

@@ -106,7 +106,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"huge_picture",
                 {"render", "a.ply", "-o", "a.png", "--size", "99999x2"},
                 "is above 32768"}),
-    [](const testing::TestParamInfo<Refusal>& info) { return std::string(info.param.name); });
+    [](const testing::TestParamInfo<Refusal>& test) { return std::string(test.param.name); });
 
 TEST(CliHelp, goes_to_standard_output_with_exit_0) {
     for (const Args& args : {Args{"--help"}, Args{"help"}, Args{"simplify", "--help"},
