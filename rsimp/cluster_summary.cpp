@@ -13,6 +13,9 @@ constexpr double kLeastWeight = 1e-6;
 // Share of the largest eigenvalue that every direction gets: extent counts even where no curvature
 // shows.
 constexpr double kExtentShare = 0.01;
+// What a flat cluster counts for, as a share of its squared extent: so little that any curvature
+// comes first, enough that a flat surface is divided evenly when the target asks for more.
+constexpr double kFlatShare = 1e-10;
 
 }  // namespace
 
@@ -59,11 +62,16 @@ double farthest_corner(const Vec3& low, const Vec3& high, const Vec3& point) {
 }
 
 double priority(const ClusterSums& sums, const Vec3& vertex, Priority kind) {
+    const Vec3 mean = sums.mean();
+    const double spread = sums.second[0] + sums.second[3] + sums.second[5] -
+                          sums.weight * dot(mean, mean);  // weighted squared extent
+    const double flat = kFlatShare * std::max(0.0, spread);
     switch (kind) {
         case Priority::Quadric:
-            return std::max(0.0, sums.quadric.error(vertex));
+            return flat + std::max(0.0, sums.quadric.error(vertex));
         case Priority::NormalVariation:
-            return std::max(0.0, sums.area - std::sqrt(dot(sums.face_normal, sums.face_normal)));
+            return flat +
+                   std::max(0.0, sums.area - std::sqrt(dot(sums.face_normal, sums.face_normal)));
         case Priority::Displacement:
             return farthest_corner(sums.low, sums.high, vertex);
     }
