@@ -13,6 +13,9 @@ constexpr double kLeastWeight = 1e-6;
 // Share of the largest eigenvalue that every direction gets: extent counts even where no curvature
 // shows.
 constexpr double kExtentShare = 0.01;
+// What size alone adds to a priority: flat clusters are split too when the budget allows, largest
+// first.
+constexpr double kExtentCost = 1e-7;
 
 }  // namespace
 
@@ -43,6 +46,10 @@ void ClusterSums::add(const cluster::CellRecord& cell) {
     }
 }
 
+double ClusterSums::spread() const {
+    return std::max(0.0, second[0] + second[3] + second[5] - dot(first, first) / weight);
+}
+
 Vec3 representative(const ClusterSums& sums, const cluster::Eigen3& eigen) {
     Vec3 x = cluster::minimum_from(sums.quadric, eigen, sums.mean());
     for (std::size_t i = 0; i < 3; ++i) x[i] = std::clamp(x[i], sums.low[i], sums.high[i]);
@@ -61,9 +68,10 @@ double farthest_corner(const Vec3& low, const Vec3& high, const Vec3& point) {
 double priority(const ClusterSums& sums, const Vec3& vertex, Priority kind) {
     switch (kind) {
         case Priority::Quadric:
-            return std::max(0.0, sums.quadric.error(vertex));
+            return std::max(0.0, sums.quadric.error(vertex)) + kExtentCost * sums.spread();
         case Priority::NormalVariation:
-            return std::max(0.0, sums.area - std::sqrt(dot(sums.face_normal, sums.face_normal)));
+            return std::max(0.0, sums.area - std::sqrt(dot(sums.face_normal, sums.face_normal))) +
+                   kExtentCost * sums.spread();
         case Priority::Displacement:
             return farthest_corner(sums.low, sums.high, vertex);
     }
