@@ -136,7 +136,7 @@ std::variant<Arguments, HelpText> parse_command_line(int argc, const char* const
         auto parsed = parse_command(*command, std::move(args));
         const auto* arguments = std::get_if<Arguments>(&parsed);
         if (arguments == nullptr || command->command != Command::Help) return parsed;
-        if (arguments->flag("markdown")) return HelpText{markdown_table()};
+        if (arguments->flag("markdown")) return HelpText{markdown_reference()};
         const std::string topic = arguments->get<std::string>("topic");
         return HelpText{topic.empty() ? general_help() : command_help(*find_command(topic))};
     } catch (const CLI::ParseError& e) {

@@ -156,11 +156,16 @@ std::string command_help(const CommandSpec& command) {
     return text + '\n' + exit_codes();
 }
 
-std::string markdown_table() {
+std::string markdown_reference() {
     std::string text = "| option | commands | value | default | meaning |\n|---|---|---|---|---|\n";
     for (const OptionSpec& o : option_table()) {
         text += "| `" + spell(o) + "` | " + list_users(o) + " | " + describe_value(o) + " | " +
                 describe_default(o) + " | " + std::string(o.help) + " |\n";
+    }
+    text += "\n### Exit codes\n\n| code | meaning |\n|---|---|\n";
+    for (const ExitMeaning& m : exit_meanings()) {
+        text += "| " + std::to_string(static_cast<int>(m.code)) + " | " + std::string(m.meaning) +
+                " |\n";
     }
     return text;
 }

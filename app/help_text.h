@@ -11,7 +11,7 @@ namespace hewer::app {
 std::string general_help();
 std::string command_help(const CommandSpec& command);
 
-/// The README's table of all options, Markdown.
-std::string markdown_table();
+/// The README's tables of all options and of the exit codes, Markdown.
+std::string markdown_reference();
 
 }  // namespace hewer::app

@@ -135,7 +135,7 @@ OptionSpec{"progress", "--progress", "HOW", T::Choice, kSimplify | kMeasure | kI
 OptionSpec{"quiet", "--quiet", "", T::Flag, kSimplify | kMeasure | kGenerate | kRender, "", "", 0, 0, "", kOutput, false,
     "No summary, and no progress unless --progress asks for it."},
 OptionSpec{"markdown", "--markdown", "", T::Flag, kHelp, "", "", 0, 0, "", kOutput, false,
-    "Print the table of all options for the README."},
+    "Print the README's tables of all options and exit codes."},
 };
 
 constexpr std::array kCommands{

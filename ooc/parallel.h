@@ -3,6 +3,7 @@
 #pragma once
 
 #include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -62,6 +63,8 @@ class Workers {
 
   private:
     unsigned n_threads_;
+    // Else no more than the machine has would work, whatever was asked for.
+    tbb::global_control limit_{tbb::global_control::max_allowed_parallelism, n_threads_};
     tbb::task_arena arena_;
 };
 

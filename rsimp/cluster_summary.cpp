@@ -13,9 +13,9 @@ constexpr double kLeastWeight = 1e-6;
 // Share of the largest eigenvalue that every direction gets: extent counts even where no curvature
 // shows.
 constexpr double kExtentShare = 0.01;
-// What a flat cluster counts for, as a share of its squared extent: so little that any curvature
-// comes first, enough that a flat surface is divided evenly when the target asks for more.
-constexpr double kFlatShare = 1e-10;
+// What size alone adds to a priority: flat clusters are split too when the budget allows, largest
+// first.
+constexpr double kExtentCost = 1e-7;
 
 }  // namespace
 
@@ -46,6 +46,10 @@ void ClusterSums::add(const cluster::CellRecord& cell) {
     }
 }
 
+double ClusterSums::spread() const {
+    return std::max(0.0, second[0] + second[3] + second[5] - dot(first, first) / weight);
+}
+
 Vec3 representative(const ClusterSums& sums, const cluster::Eigen3& eigen) {
     Vec3 x = cluster::minimum_from(sums.quadric, eigen, sums.mean());
     for (std::size_t i = 0; i < 3; ++i) x[i] = std::clamp(x[i], sums.low[i], sums.high[i]);
@@ -62,16 +66,12 @@ double farthest_corner(const Vec3& low, const Vec3& high, const Vec3& point) {
 }
 
 double priority(const ClusterSums& sums, const Vec3& vertex, Priority kind) {
-    const Vec3 mean = sums.mean();
-    const double spread = sums.second[0] + sums.second[3] + sums.second[5] -
-                          sums.weight * dot(mean, mean);  // weighted squared extent
-    const double flat = kFlatShare * std::max(0.0, spread);
     switch (kind) {
         case Priority::Quadric:
-            return flat + std::max(0.0, sums.quadric.error(vertex));
+            return std::max(0.0, sums.quadric.error(vertex)) + kExtentCost * sums.spread();
         case Priority::NormalVariation:
-            return flat +
-                   std::max(0.0, sums.area - std::sqrt(dot(sums.face_normal, sums.face_normal)));
+            return std::max(0.0, sums.area - std::sqrt(dot(sums.face_normal, sums.face_normal))) +
+                   kExtentCost * sums.spread();
         case Priority::Displacement:
             return farthest_corner(sums.low, sums.high, vertex);
     }

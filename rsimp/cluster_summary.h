@@ -36,6 +36,8 @@ struct ClusterSums {
 
     /// `cell` with its mean in the frame of its block.
     void add(const cluster::CellRecord& cell);
+    /// Weighted sum of the squared distances from the mean.
+    [[nodiscard]] double spread() const;
     [[nodiscard]] Vec3 mean() const { return (1 / weight) * first; }
 };
 

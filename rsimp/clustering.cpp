@@ -10,7 +10,9 @@
 #include "cluster/vertex_store.h"
 #include "hewer/error.h"
 #include "ooc/parallel.h"
+#include "ooc/units.h"
 #include "rsimp/grid_choice.h"
+#include "rsimp/memory_model.h"
 
 namespace hewer::rsimp {
 
@@ -24,6 +26,9 @@ using cluster::UniformGrid;
 using cluster::VertexStore;
 
 namespace {
+
+// Room for what the sample does not show.
+constexpr double kMemoryMargin = 1.1;
 
 CellSample sample_vertices(ooc::Context& context, const VertexStore& vertices) {
     CellSample sample(vertices.points.size());
@@ -140,6 +145,30 @@ class Pass {
     SimplifyReport& report_;
 };
 
+/// Refuses a limit that the run would hit later, with one that will do.
+void check_memory(ooc::Context& context, const SimplifyOptions& options, const SourceInfo& info,
+                  double cells) {
+    MemoryCounts counts;
+    counts.vertices = info.n_vertices;
+    counts.cells = static_cast<std::uint64_t>(kMemoryMargin * cells);
+    counts.surviving_triangles = std::min(info.n_faces, 9 * counts.cells / 4);
+    counts.has_attributes =
+        info.has_normals || info.has_colors || options.priority == SplitPriority::NormalVariation;
+    const double clusters =
+        options.targets.empty()
+            ? 0
+            : kClustersPerVertex * target_vertices(options.targets.front(), info.n_faces);
+    counts.is_refined = options.method != Method::Uniform && clusters > 0 &&
+                        clusters < static_cast<double>(counts.cells);
+    counts.clusters = counts.is_refined ? static_cast<std::uint64_t>(clusters) : counts.cells;
+    const std::uint64_t needed = peak_memory_bytes(counts);
+    if (needed > context.budget().limit()) {
+        throw OutOfMemoryBudget(info.name + ": needs about " + ooc::format_bytes(needed) +
+                                ", the limit is " + ooc::format_bytes(context.budget().limit()) +
+                                "; raise --memory to " + ooc::format_bytes(needed) + " or more");
+    }
+}
+
 }  // namespace
 
 CellStore cluster_input(ooc::Context& context, MeshSource& source, const SimplifyOptions& options,
@@ -160,6 +189,7 @@ CellStore cluster_input(ooc::Context& context, MeshSource& source, const Simplif
     input.has_colors = info.has_colors;
     input.ignored = info.ignored;
 
+    check_memory(context, options, info, cells_expected(options, info.n_faces, info.n_vertices));
     if (options.bounds) {
         input.bounds = *options.bounds;
     } else {
@@ -190,8 +220,11 @@ CellStore cluster_input(ooc::Context& context, MeshSource& source, const Simplif
     Pass pass(context, source, options, lattice, input.bounds, vertices, report);
     AccumulateResult result;
     const UniformGrid grid(choose_resolution(options, input.bounds, sample, info.n_faces, finer));
-    is_finest = grid.resolution() >= 0.99 * sample.separating_resolution();
-    CellStore store = pass.run(grid, sample.count_cells(grid), result);
+    is_finest = grid.resolution() >= 0.99 * sample.separating_resolution() ||
+                grid.resolution() >= 0.99 * UniformGrid::kMaxResolution;
+    const double cells = sample.count_cells(grid);
+    check_memory(context, options, info, cells);
+    CellStore store = pass.run(grid, cells, result);
     stages.end();
 
     input.triangles = result.n_triangles;

@@ -544,14 +544,23 @@ std::uint64_t EdgeCollapse::carry_out(const std::vector<std::uint64_t>& winners,
     return removed_vertices;
 }
 
-std::uint64_t EdgeCollapse::round(const CollapseTarget& target) {
-    ++round_;
-    refresh_proposals();
+/// An inner edge takes two triangles with it.
+std::uint64_t EdgeCollapse::n_needed(const CollapseTarget& target) const {
     const auto excess = [](std::uint64_t have, std::uint64_t most) {
         return have > most ? have - most : 0;
     };
-    const std::uint64_t needed = std::max((excess(n_triangles_, target.most_triangles) + 1) / 2,
-                                          excess(n_vertices_, target.most_vertices));
+    return std::max((excess(n_triangles_, target.most_triangles) + 1) / 2,
+                    excess(n_vertices_, target.most_vertices));
+}
+
+std::uint64_t EdgeCollapse::n_expected(const CollapseTarget& target) const {
+    return target.most_displacement ? 0 : n_needed(target);
+}
+
+std::uint64_t EdgeCollapse::round(const CollapseTarget& target) {
+    ++round_;
+    refresh_proposals();
+    const std::uint64_t needed = n_needed(target);
     const std::uint64_t bound = cost_bound(needed);
     if (bound == 0) return 0;
     claim_neighbourhoods(bound);

@@ -57,6 +57,9 @@ class EdgeCollapse {
     /// smaller. Returns the number of collapses.
     std::uint64_t run(const CollapseTarget& target);
 
+    /// How many collapses the target is away, if nothing hinders them. 0 with an error bound.
+    [[nodiscard]] std::uint64_t n_expected(const CollapseTarget& target) const;
+
     /// Removes whole closed or open components, smallest box first, until the target is met, when
     /// collapsing can go no further. At least one component stays. Returns how many went.
     std::uint64_t drop_components(const CollapseTarget& target);
@@ -108,6 +111,7 @@ class EdgeCollapse {
     void claim_neighbourhoods(std::uint64_t bound);
     [[nodiscard]] std::vector<std::uint64_t> find_winners(std::uint64_t bound) const;
     std::uint64_t carry_out(const std::vector<std::uint64_t>& winners, std::uint64_t most);
+    [[nodiscard]] std::uint64_t n_needed(const CollapseTarget& target) const;
     std::uint64_t round(const CollapseTarget& target);
     [[nodiscard]] bool is_met(const CollapseTarget& target) const {
         return n_triangles_ <= target.most_triangles && n_vertices_ <= target.most_vertices;

@@ -53,6 +53,25 @@ double target_error(const Target& target, const Bounds& bounds) {
     return 0;
 }
 
+namespace {
+
+double wanted_cells(const SimplifyOptions& options, std::uint64_t n_input_faces) {
+    const double vertices = target_vertices(options.targets.front(), n_input_faces);
+    return options.method == Method::Uniform ? kUniformCellsPerVertex * vertices
+                                             : std::max(kFewestCells, kCellsPerVertex * vertices);
+}
+
+}  // namespace
+
+double cells_expected(const SimplifyOptions& options, std::uint64_t n_input_faces,
+                      std::uint64_t n_input_vertices) {
+    const auto most =
+        static_cast<double>(n_input_vertices != 0 ? n_input_vertices : n_input_faces / 2);
+    if (options.method == Method::Full) return most;
+    if (options.cell_size || target_vertices(options.targets.front(), n_input_faces) == 0) return 0;
+    return std::min(most, wanted_cells(options, n_input_faces));
+}
+
 double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
                          const cluster::CellSample& sample, std::uint64_t n_input_faces,
                          double finer) {
@@ -61,14 +80,12 @@ double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
     if (options.method == Method::Full) return sample.separating_resolution();
     const Target& finest = options.targets.front();
     const double error = target_error(finest, bounds);
-    if (error > 0) return resolution_of_cell(error / kCellsPerError, bounds, "--error");
-    if (options.method == Method::Uniform) {
-        return sample.resolution_for(finer * kUniformCellsPerVertex *
-                                     target_vertices(finest, n_input_faces));
+    if (error > 0) {
+        return std::min(
+            std::sqrt(finer) * resolution_of_cell(error / kCellsPerError, bounds, "--error"),
+            cluster::UniformGrid::kMaxResolution);
     }
-    const double wanted =
-        finer * std::max(kFewestCells, kCellsPerVertex * target_vertices(finest, n_input_faces));
-    return sample.resolution_for(wanted);
+    return sample.resolution_for(finer * wanted_cells(options, n_input_faces));
 }
 
 void check_options(const SimplifyOptions& options) {

@@ -35,6 +35,10 @@ double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
                          const cluster::CellSample& sample, std::uint64_t n_input_faces,
                          double finer);
 
+/// Cells that the target calls for, as far as the header tells; 0 where only the surface can tell.
+double cells_expected(const SimplifyOptions& options, std::uint64_t n_input_faces,
+                      std::uint64_t n_input_vertices);
+
 /// Refuses what contradicts itself or leaves its range: InvalidArgument.
 void check_options(const SimplifyOptions& options);
 

@@ -208,11 +208,12 @@ std::uint64_t cut_double_edges(ooc::Context& context, std::span<const CellTriple
     };
     std::vector<Edge> crowded;
     std::mutex mutex;
-    for_each_edge(context, named, n_vertices, [&](std::uint32_t low, std::span<const HalfEdge> group) {
-        if (group.size() < 3) return;
-        const std::lock_guard lock(mutex);
-        crowded.push_back({low, {group.begin(), group.end()}});
-    });
+    for_each_edge(context, named, n_vertices,
+                  [&](std::uint32_t low, std::span<const HalfEdge> group) {
+                      if (group.size() < 3) return;
+                      const std::lock_guard lock(mutex);
+                      crowded.push_back({low, {group.begin(), group.end()}});
+                  });
     std::sort(crowded.begin(), crowded.end(), [](const Edge& a, const Edge& b) {
         return a.low != b.low ? a.low < b.low : a.group[0].other < b.group[0].other;
     });

@@ -135,12 +135,11 @@ Clusters Refiner::refine_to_count(std::uint64_t n_clusters) {
         if (std::isfinite(tree.nodes()[0].key)) largest = std::max(largest, tree.nodes()[0].key);
     }
     double threshold = largest / 8;
-    context_.begin_stage("refine", n_clusters, "clusters");
     std::uint64_t before = 0;
     while (threshold > 0) {
         grow(threshold);
         const std::uint64_t n = n_leaves();
-        if (n > before) context_.advance(std::min(n, n_clusters) - std::min(before, n_clusters));
+        context_.advance(std::min(n, n_clusters) - std::min(before, n_clusters));
         before = n;
         if (n >= n_clusters) break;
         const double missing = static_cast<double>(n) / static_cast<double>(n_clusters);
@@ -148,14 +147,11 @@ Clusters Refiner::refine_to_count(std::uint64_t n_clusters) {
         if (threshold < largest * 1e-24) threshold = 0;
     }
     if (threshold == 0) grow(0);
-    context_.end_stage();
     return cut(cut_threshold(n_clusters));
 }
 
 Clusters Refiner::refine_to_key(double key) {
-    context_.begin_stage("refine", 0, "clusters");
     grow(key);
-    context_.end_stage();
     return cut(key);
 }
 

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <optional>
 #include <utility>
 
 #include "hewer/version.h"
@@ -16,14 +15,12 @@
 #include "ooc/parallel.h"
 #include "ooc/resource_usage.h"
 #include "ooc/vec3.h"
-#include "rsimp/clustering.h"
 #include "rsimp/edge_collapse.h"
 #include "rsimp/grid_choice.h"
 #include "rsimp/lod.h"
 #include "rsimp/manifold.h"
-#include "rsimp/octree_fusion.h"
-#include "rsimp/refiner.h"
 #include "rsimp/stage_log.h"
+#include "rsimp/start_mesh.h"
 
 namespace hewer {
 
@@ -36,148 +33,8 @@ const std::vector<ooc::StageWeight> kStages{{"bounds", 1},  {"vertices", 2}, {"s
                                             {"cluster", 8}, {"refine", 8},   {"mesh", 2},
                                             {"finish", 12}, {"write", 2}};
 
-// With fewer cells than this times the clusters wanted, the collapse begins with the cells
-// themselves.
-constexpr double kWorthRefining = 1.3;
-// Triangles that the collapse must at least begin with, for each that is asked for.
-constexpr double kEnoughTriangles = 1.25;
-// Share of the budget that the uniform method aims at and is content with, and the factor on its
-// clusters when it falls short.
-constexpr double kUniformAim = 0.985;
-constexpr double kUniformLeast = 0.85;
-constexpr double kMoreClusters = 1.15;
-// Cells of the next grid for each cell of one that was too coarse.
-constexpr double kFinerGrid = 4;
-// The first splits of an error-bound run stop at this part of the bound; the collapse uses up the
-// rest.
-constexpr double kErrorShareOfTree = 0.5;
 // How far the fans of a cut vertex move towards their own neighbours, so that sheets do not touch.
 constexpr double kNudge = 0.02;
-
-Priority priority_of(const SimplifyOptions& options, bool is_error_run) {
-    if (is_error_run) return Priority::Displacement;
-    return options.priority == SplitPriority::NormalVariation ? Priority::NormalVariation
-                                                              : Priority::Quadric;
-}
-
-/// A budget in triangles; 0 for error bounds and where everything goes out.
-double budget(const SimplifyOptions& options, const SimplifyReport& report) {
-    if (options.targets.empty()) return 0;
-    return 2 * target_vertices(options.targets.front(), report.input.triangles);
-}
-
-/// The cell triples as triples of clusters, those left out that have collapsed.
-ooc::Array<CellTriple> surviving_triples(ooc::Context& context, const cluster::CellStore& store,
-                                         const Clusters& clusters) {
-    const auto map = [&](const CellTriple& t) -> CellTriple {
-        return {clusters.cluster_of_cell[t[0]], clusters.cluster_of_cell[t[1]],
-                clusters.cluster_of_cell[t[2]]};
-    };
-    const auto survives = [](const CellTriple& t) {
-        return t[0] != t[1] && t[1] != t[2] && t[0] != t[2];
-    };
-    std::uint64_t n = 0;
-    for (const CellTriple& t : store.triangles) n += survives(map(t)) ? 1U : 0U;
-    ooc::Array<CellTriple> triples(context.budget(), "cluster triples", n);
-    n = 0;
-    for (const CellTriple& t : store.triangles) {
-        const CellTriple mapped = map(t);
-        if (survives(mapped)) triples[n++] = mapped;
-    }
-    return triples;
-}
-
-/// What the collapse begins with.
-struct StartMesh {
-    Clusters clusters;
-    ManifoldMesh manifold;
-};
-
-StartMesh build_start_mesh(ooc::Context& context, const cluster::CellStore& store,
-                           Clusters clusters) {
-    const ooc::Array<CellTriple> triples = surviving_triples(context, store, clusters);
-    const bool is_closed = store.n_border_cells == 0;
-    ManifoldMesh manifold =
-        build_manifold(context, triples.span(), clusters.positions.span(), is_closed);
-    return {std::move(clusters), std::move(manifold)};
-}
-
-/// Refines until the mesh has enough triangles for the collapse to choose from. How many a cluster
-/// brings is known only afterwards: two on a closed surface, next to none where thin parts or many
-/// small components vanish in their clusters.
-StartMesh refine_to_budget(ooc::Context& context, cluster::CellStore& store,
-                           const SimplifyOptions& options, StageLog& stages,
-                           const SimplifyReport& report) {
-    const double triangles = budget(options, report);
-    const auto n_cells = static_cast<double>(store.codes.size());
-    double wanted = std::ceil(kClustersPerVertex * triangles / 2);
-    stages.begin("refine", 0, "clusters");
-    std::optional<Refiner> refiner;
-    for (;;) {
-        const bool is_all = wanted * kWorthRefining >= n_cells;
-        if (!is_all && !refiner) refiner.emplace(context, store, priority_of(options, false));
-        StartMesh start = build_start_mesh(
-            context, store,
-            is_all && !refiner
-                ? clusters_from_cells(context, store)
-                : refiner->refine_to_count(static_cast<std::uint64_t>(is_all ? n_cells : wanted)));
-        const auto n = static_cast<double>(start.manifold.triangles.size());
-        if (is_all || n >= kEnoughTriangles * triangles) return start;
-        wanted *= std::clamp(kClustersPerVertex * triangles / std::max(n, 1.0), 1.5, 8.0);
-    }
-}
-
-/// The uniform method: as many clusters as a closed surface needs for the budget. Where parts
-/// vanish in their clusters that is too few, and more are allowed.
-StartMesh fuse_to_budget(ooc::Context& context, const cluster::CellStore& store,
-                         const SimplifyOptions& options, StageLog& stages,
-                         const SimplifyReport& report) {
-    stages.begin("refine", 0, "clusters");
-    const double triangles = budget(options, report);
-    if (triangles == 0) {
-        return build_start_mesh(context, store, clusters_from_cells(context, store));
-    }
-    for (double wanted = kUniformAim * triangles / 2;; wanted *= kMoreClusters) {
-        StartMesh start = build_start_mesh(
-            context, store, fuse_cells(context, store, static_cast<std::uint64_t>(wanted)));
-        const auto n = static_cast<double>(start.manifold.triangles.size());
-        if (n >= kUniformLeast * triangles || wanted >= static_cast<double>(store.codes.size())) {
-            return start;
-        }
-    }
-}
-
-StartMesh make_start_mesh(ooc::Context& context, cluster::CellStore& store,
-                          const SimplifyOptions& options, StageLog& stages,
-                          const SimplifyReport& report) {
-    if (options.method == Method::Uniform)
-        return fuse_to_budget(context, store, options, stages, report);
-    const double error = target_error(options.targets.front(), report.input.bounds);
-    if (error == 0) return refine_to_budget(context, store, options, stages, report);
-    stages.begin("refine", 0, "clusters");
-    Refiner refiner(context, store, priority_of(options, true));
-    const double cell = store.grid.cell_size(store.lattice);
-    return build_start_mesh(context, store,
-                            refiner.refine_to_key(kErrorShareOfTree * error / cell));
-}
-
-/// Clusters the input, on a finer grid again if the first one has swallowed so much (parts thinner
-/// than a cell, thousands of small components) that the budget cannot be met from it.
-StartMesh cluster_and_refine(ooc::Context& context, MeshSource& source,
-                             const SimplifyOptions& options, StageLog& stages,
-                             cluster::CellStore& store, SimplifyReport& report) {
-    const bool is_given = options.cell_size || options.method == Method::Full;
-    for (double finer = 1;; finer *= kFinerGrid) {
-        bool is_finest = false;
-        store = cluster_input(context, source, options, finer, stages, report, is_finest);
-        StartMesh start = make_start_mesh(context, store, options, stages, report);
-        const double triangles = budget(options, report);
-        const auto n = static_cast<double>(start.manifold.triangles.size());
-        const bool is_enough =
-            n >= (options.method == Method::Uniform ? kUniformLeast : kEnoughTriangles) * triangles;
-        if (is_enough || is_finest || is_given) return start;
-    }
-}
 
 /// Gives every vertex of the manifold mesh its cluster's place and quadric. Vertices that share a
 /// cluster share its quadric, and step apart.
@@ -274,7 +131,7 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
     StageLog stages(context, [&] { return source.bytes_read(); });
 
     cluster::CellStore store;
-    StartMesh start_mesh = cluster_and_refine(context, source, options, stages, store, report);
+    StartMesh start_mesh = make_start_mesh(context, source, options, stages, store, report);
     Clusters& clusters = start_mesh.clusters;
     ManifoldMesh& manifold = start_mesh.manifold;
     report.refined_clusters = clusters.size();
@@ -312,7 +169,7 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
             if (is_budget && target.most_vertices == std::numeric_limits<std::uint64_t>::max()) {
                 lod.target_triangles = target.most_triangles;
             }
-            stages.begin("finish", 0, "collapses");
+            stages.begin("finish", collapse.n_expected(target), "collapses");
             report.collapses += collapse.run(target);
             if (is_budget) collapse.drop_components(target);
         }

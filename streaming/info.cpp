@@ -41,15 +41,21 @@ class OrderedSum {
 // Vertex positions as precise as the file has them; absent when they do not fit.
 using Positions = std::variant<std::monostate, ooc::Array<std::array<float, 3>>, ooc::Array<Vec3>>;
 
+// Batches and file blocks that a thread has in flight, rounded up.
+constexpr std::uint64_t kBatchBytes = 4ULL << 20;
+
 Positions make_positions(const SourceInfo& source, ooc::Context& context) {
     const std::uint64_t vertex_bytes = source.has_double_positions ? 24 : 12;
-    const std::uint64_t available = context.budget().available();
+    const std::uint64_t available =
+        context.budget().available() -
+        std::min(context.budget().available(), context.n_threads() * kBatchBytes);
     if (source.n_vertices == 0) return {};
     if (source.n_vertices > available / vertex_bytes) {
         context.warn(source.name +
                      ": the vertices do not fit the memory limit, so area and "
                      "degenerate triangles were left out; --memory " +
-                     ooc::format_bytes(context.budget().used() + source.n_vertices * vertex_bytes) +
+                     ooc::format_bytes(context.budget().used() + context.n_threads() * kBatchBytes +
+                                       source.n_vertices * vertex_bytes) +
                      " would do");
         return {};
     }
