@@ -225,7 +225,8 @@ CellStore cluster_input(ooc::Context& context, MeshSource& source, const Simplif
     Pass pass(context, source, options, lattice, input.bounds, vertices, report);
     AccumulateResult result;
     const UniformGrid grid(choose_resolution(options, input.bounds, sample, info.n_faces, finer));
-    is_finest = grid.resolution() >= 0.99 * sample.separating_resolution() ||
+    is_finest = !(input.bounds.diagonal() > 0) ||  // all vertices in one place
+                grid.resolution() >= 0.99 * sample.separating_resolution() ||
                 grid.resolution() >= 0.99 * UniformGrid::kMaxResolution;
     const double cells = sample.count_cells(grid);
     check_memory(context, options, info, cells);
