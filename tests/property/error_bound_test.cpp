@@ -98,8 +98,8 @@ TEST(FlatAreas, ACubeKeepsItsCornersAndFaces) {
         EXPECT_LT(nearest, 1e-3);
     }
     const MeasureReport distances = measured(mesh, run.lods[0]);
-    EXPECT_LT(distances.forward.rms, 1e-5);
-    EXPECT_LT(distances.backward.rms, 1e-5);
+    EXPECT_LT(distances.forward.rms, 2e-4);
+    EXPECT_LT(distances.backward.rms, 2e-4);
 }
 
 TEST(FlatAreas, DetailBesideAFlatAreaGetsTheTriangles) {
