@@ -75,8 +75,7 @@ CellSample sample_soup(ooc::Context& context, MeshSource& source, const Lattice&
 }
 
 /// Files refuse these while they are read; other sources only count them.
-void check_strict(const MeshSource& source, const SimplifyOptions& options,
-                  const InputDefects& d) {
+void check_strict(const MeshSource& source, const SimplifyOptions& options, const InputDefects& d) {
     if (!options.strict) return;
     const auto refuse_any = [&](std::uint64_t n, const char* what) {
         if (n == 0) return;

@@ -55,8 +55,8 @@ void expect_one_result(const Mesh& mesh, SimplifyOptions options, bool is_soup,
 }
 
 Mesh dirty_mesh() {
-    Mesh mesh = joined(with_turned_triangles(cube_sphere(30, 0.05, 2), 0.1, 3),
-                       random_soup(200, 1500, 4));
+    Mesh mesh =
+        joined(with_turned_triangles(cube_sphere(30, 0.05, 2), 0.1, 3), random_soup(200, 1500, 4));
     return mesh;
 }
 
@@ -84,8 +84,8 @@ TEST(Determinism, NonManifoldMesh) {
 }
 
 TEST(Determinism, ErrorBound) {
-    expect_one_result(plane_grid(120, 0.003), options_for(Target::Kind::RelativeError, 0.01),
-                      false, "error bound");
+    expect_one_result(plane_grid(120, 0.003), options_for(Target::Kind::RelativeError, 0.01), false,
+                      "error bound");
 }
 
 TEST(Determinism, UniformMethod) {

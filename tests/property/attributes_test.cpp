@@ -58,8 +58,7 @@ TEST(Attributes, NormalsAreUnitAndPointWhereTheSurfaceDoes) {
 }
 
 TEST(Attributes, AreAbsentWhereTheInputHasNone) {
-    const Outcome run =
-        run_simplify(cube_sphere(20), options_for(Target::Kind::Triangles, 500));
+    const Outcome run = run_simplify(cube_sphere(20), options_for(Target::Kind::Triangles, 500));
     EXPECT_TRUE(run.lods[0].normals.empty());
     EXPECT_TRUE(run.lods[0].colors.empty());
 }

@@ -180,19 +180,18 @@ TEST(Surface, OutputIsManifoldEvenWhereTheInputIsNot) {
 }
 
 TEST(Surface, TheEulerCharacteristicIsKept) {
-    EXPECT_EQ(
-        count(run_simplify(torus(200, 80), options_for(Target::Kind::Triangles, 300)).lods[0])
-            .euler,
-        0);
-    EXPECT_EQ(count(run_simplify(cube_sphere(40, 0.01), options_for(Target::Kind::Triangles, 300))
-                        .lods[0])
+    EXPECT_EQ(count(run_simplify(torus(200, 80), options_for(Target::Kind::Triangles, 300)).lods[0])
                   .euler,
-              2);
+              0);
+    EXPECT_EQ(
+        count(
+            run_simplify(cube_sphere(40, 0.01), options_for(Target::Kind::Triangles, 300)).lods[0])
+            .euler,
+        2);
 }
 
 TEST(Surface, AFlatOutlineStays) {
-    const Outcome run =
-        run_simplify(plane_grid(80), options_for(Target::Kind::Triangles, 300));
+    const Outcome run = run_simplify(plane_grid(80), options_for(Target::Kind::Triangles, 300));
     // Border lines are summed in 2^-8 cells.
     const double step = run.report.grid.cell_size / 128;
     const Bounds bounds = bounds_of(run.lods[0]);
@@ -224,7 +223,8 @@ TEST(Surface, BorderWeightHoldsARoughOutline) {
 }
 
 TEST(Surface, SeparateSpheresAreNotJoined) {
-    const Outcome run = run_simplify(many_spheres(3, 10), options_for(Target::Kind::Triangles, 1000));
+    const Outcome run =
+        run_simplify(many_spheres(3, 10), options_for(Target::Kind::Triangles, 1000));
     EXPECT_EQ(run.report.lods[0].topology.components, 27U);
     EXPECT_EQ(count(run.lods[0]).euler, 54);
 }

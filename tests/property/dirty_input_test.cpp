@@ -58,10 +58,9 @@ TEST(DirtyInput, NonfiniteVerticesAreCountedAndLeftOut) {
     const Outcome run = run_simplify(mesh, options_for(Target::Kind::Triangles, 500));
     const InputDefects& defects = run.report.input.defects;
     const auto is_bad = [](std::uint64_t v) { return v == 10 || v == 500 || v == 700; };
-    const auto n_bad = static_cast<std::uint64_t>(
-        std::count_if(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
-            return is_bad(t[0]) || is_bad(t[1]) || is_bad(t[2]);
-        }));
+    const auto n_bad = static_cast<std::uint64_t>(std::count_if(
+        mesh.triangles.begin(), mesh.triangles.end(),
+        [&](const Triangle& t) { return is_bad(t[0]) || is_bad(t[1]) || is_bad(t[2]); }));
     EXPECT_EQ(defects.nonfinite_vertices, 3U);
     EXPECT_EQ(defects.nonfinite_triangles, n_bad);
     EXPECT_NE(defects.first_nonfinite.find("10"), std::string::npos);

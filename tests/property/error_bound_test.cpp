@@ -27,12 +27,9 @@ MeasureReport measured(const Mesh& original, const Mesh& simplified) {
 }
 
 std::vector<std::pair<std::string, Mesh>> meshes() {
-    return {{"sphere", cube_sphere(60)},
-            {"noisy sphere", cube_sphere(60, 0.01)},
-            {"torus", torus(240, 100)},
-            {"plane", plane_grid(120, 0.003)},
-            {"strip", moebius_strip(300, 30)},
-            {"slab", scaled(cube_sphere(50), {1, 1, 0.05})}};
+    return {{"sphere", cube_sphere(60)},       {"noisy sphere", cube_sphere(60, 0.01)},
+            {"torus", torus(240, 100)},        {"plane", plane_grid(120, 0.003)},
+            {"strip", moebius_strip(300, 30)}, {"slab", scaled(cube_sphere(50), {1, 1, 0.05})}};
 }
 
 }  // namespace

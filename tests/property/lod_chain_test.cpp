@@ -73,8 +73,8 @@ TEST(LodChain, EveryLevelMeetsItsTargetAndNests) {
 }
 
 TEST(LodChain, VerticesOfDroppedPartsHaveNoParent) {
-    const Outcome run = run_simplify(many_spheres(3, 8),
-                                     chain(Target::Kind::Triangles, {5000, 300, 40, 4}));
+    const Outcome run =
+        run_simplify(many_spheres(3, 8), chain(Target::Kind::Triangles, {5000, 300, 40, 4}));
     expect_nested(run, "spheres");
     const auto& last = run.parents.back();
     EXPECT_GT(std::count(last.begin(), last.end(), kNoParent), 0);

@@ -12,10 +12,10 @@ namespace hewer::test {
 
 /// How the elements are cut into batches, and which batch comes first.
 struct BatchPlan {
-    std::uint64_t seed = 0;       ///< 0: batches in file order, else in random order
-    std::uint64_t smallest = 1;   ///< elements in a batch: random within the two
+    std::uint64_t seed = 0;      ///< 0: batches in file order, else in random order
+    std::uint64_t smallest = 1;  ///< elements in a batch: random within the two
     std::uint64_t largest = 1000;
-    bool is_soup = false;         ///< points instead of corners
+    bool is_soup = false;  ///< points instead of corners
 };
 
 /// Keeps a reference to `mesh`. Colours and normals are passed on for indexed plans.

@@ -14,8 +14,7 @@ ClusteredMesh::ClusteredMesh(ooc::Context& context, MeshSource& source, double r
         vertices = cluster::load_vertices(context, source, bounds, lattice);
         cluster::assign_cells(context, vertices, grid, table);
     }
-    result =
-        cluster::accumulate(context, {source, lattice, grid, vertices, bounds}, table, false);
+    result = cluster::accumulate(context, {source, lattice, grid, vertices, bounds}, table, false);
 }
 
 std::map<cluster::CellKey, std::array<std::int64_t, 19>> ClusteredMesh::sums() {

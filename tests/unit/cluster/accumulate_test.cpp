@@ -92,8 +92,8 @@ TEST(Accumulate, SumsOfPartsAddUpToTheSumsOfTheWhole) {
 TEST(Accumulate, QuadricsOfAllCellsAddUpToTheSurfaces) {
     test::Random random(8);
     const auto context = test::make_context();
-    for (const Mesh& mesh : {test::cube_sphere(20, 0.05), test::plane_grid(25, 0.05),
-                             test::random_soup(50, 300, 3)}) {
+    for (const Mesh& mesh :
+         {test::cube_sphere(20, 0.05), test::plane_grid(25, 0.05), test::random_soup(50, 300, 3)}) {
         for (const double resolution : {1.0, 6.5, 40.0, 1000.0}) {
             const CellStore store = test::cluster_mesh(*context, mesh, resolution, 0);
             const double cell = store.grid.cell_size(store.lattice);
@@ -119,8 +119,7 @@ TEST(Accumulate, AreaAndSurvivorsAreThoseOfTheMesh) {
         for (const Triangle& t : mesh.triangles) {
             std::set<CellKey> cells;
             for (const std::uint64_t v : t) {
-                cells.insert(
-                    clustered.grid.key(clustered.lattice.encode(mesh.positions[v])));
+                cells.insert(clustered.grid.key(clustered.lattice.encode(mesh.positions[v])));
             }
             survivors += cells.size() == 3 ? 1U : 0U;
         }
@@ -204,12 +203,11 @@ TEST(CellStore, IsInMortonOrderAndTheSameForSoups) {
     const auto context = test::make_context();
     const CellStore indexed = test::cluster_mesh(*context, mesh, 33.3);
     EXPECT_TRUE(std::is_sorted(indexed.codes.begin(), indexed.codes.end()));
-    EXPECT_EQ(std::adjacent_find(indexed.codes.begin(), indexed.codes.end()),
-              indexed.codes.end());
+    EXPECT_EQ(std::adjacent_find(indexed.codes.begin(), indexed.codes.end()), indexed.codes.end());
     BatchSource source(mesh, {.is_soup = true});
     ClusteredMesh soup(*context, source, 33.3, bounds);
-    const CellStore other = build_cell_store(*context, soup.lattice, soup.grid, soup.table,
-                                             soup.result.triples, 1);
+    const CellStore other =
+        build_cell_store(*context, soup.lattice, soup.grid, soup.table, soup.result.triples, 1);
     EXPECT_EQ(std::vector<std::uint64_t>(indexed.codes.begin(), indexed.codes.end()),
               std::vector<std::uint64_t>(other.codes.begin(), other.codes.end()));
     EXPECT_EQ(indexed.triangles.size(), other.triangles.size());

@@ -36,9 +36,9 @@ TEST(UniformGrid, CellOffsetAndQuantizedAgree) {
             for (const unsigned bits : {0U, 4U, 8U}) {
                 const std::int64_t q = grid.quantized(x, bits);
                 EXPECT_EQ(q >> bits, grid.cell(x));
-                EXPECT_LE(std::abs(std::ldexp(static_cast<double>(q), -static_cast<int>(bits)) -
-                                   place),
-                          std::ldexp(1.0, -static_cast<int>(bits)));
+                EXPECT_LE(
+                    std::abs(std::ldexp(static_cast<double>(q), -static_cast<int>(bits)) - place),
+                    std::ldexp(1.0, -static_cast<int>(bits)));
             }
         }
         EXPECT_LE(grid.cell(std::numeric_limits<std::uint32_t>::max()), std::ceil(resolution));

@@ -70,8 +70,7 @@ TEST(BuildManifold, LeavesAManifoldMeshAsItIs) {
 TEST(BuildManifold, ClosedStaysClosedHoweverItIsFolded) {
     for (std::uint64_t seed = 1; seed <= 12; ++seed) {
         for (const std::uint64_t n : {5U, 20U, 100U, 600U}) {
-            const Built built =
-                build(merged_at_random(test::cube_sphere(10, 0.1), n, seed), true);
+            const Built built = build(merged_at_random(test::cube_sphere(10, 0.1), n, seed), true);
             EXPECT_TRUE(built.counts.is_closed()) << n << ", " << seed;
             EXPECT_TRUE(built.counts.is_clean())
                 << n << ", " << seed << ": " << built.counts.duplicates << ' '
@@ -93,7 +92,8 @@ TEST(BuildManifold, OpenAndDirtyInputsKeepNoEdgeOfMoreThanTwoFaces) {
         const Built built = build(mesh, false);
         EXPECT_EQ(built.counts.nonmanifold_edges, 0U);
         EXPECT_EQ(built.counts.degenerate, 0U);
-        EXPECT_EQ(built.counts.duplicates, 0U);
+        // A face may meet its opposite, as a sheet folded onto itself, but never its like.
+        EXPECT_EQ(test::triangle_set(built.triangles).size(), built.triangles.size());
         EXPECT_EQ(built.counts.split_fans, 0U);
         EXPECT_EQ(built.counts.unreferenced, 0U);
         EXPECT_FALSE(built.triangles.empty());
@@ -154,15 +154,14 @@ TEST(BuildManifold, NeitherOrderNorThreadsShow) {
 
 TEST(CountEdges, AgreesWithAPlainCount) {
     const auto context = test::make_context();
-    for (const Mesh& mesh :
-         {test::cube_sphere(8), test::plane_grid(9), test::book(5, 6), test::random_soup(40, 300, 1)}) {
+    for (const Mesh& mesh : {test::cube_sphere(8), test::plane_grid(9), test::book(5, 6),
+                             test::random_soup(40, 300, 1)}) {
         std::vector<CellTriple> triples;
         std::vector<Triangle> plain;
         for (const Triangle& t : mesh.triangles) {
             if (t[0] == t[1] || t[1] == t[2] || t[0] == t[2]) continue;
             plain.push_back(t);
-            triples.push_back({static_cast<std::uint32_t>(t[0]),
-                               static_cast<std::uint32_t>(t[1]),
+            triples.push_back({static_cast<std::uint32_t>(t[0]), static_cast<std::uint32_t>(t[1]),
                                static_cast<std::uint32_t>(t[2])});
         }
         const EdgeCounts counts = count_edges(*context, triples, mesh.positions.size());

@@ -145,7 +145,7 @@ TEST(Refiner, MakesAsManyClustersAsAskedOfOneBlockOrMany) {
             CellStore store =
                 test::cluster_mesh(*context, test::cube_sphere(110, 0.01), resolution);
             Refiner refiner(*context, store, Priority::Quadric);
-            if (resolution > 100) EXPECT_GT(refiner.n_blocks(), 1U);
+            EXPECT_EQ(refiner.n_blocks() > 1, resolution > 100);
             const Clusters clusters = refiner.refine_to_count(n);
             EXPECT_LE(clusters.size(), n);
             EXPECT_GE(clusters.size(), n - 2);
@@ -187,8 +187,7 @@ TEST(Refiner, ThreadsDoNotShow) {
             positions.assign(clusters.positions.begin(), clusters.positions.end());
         }
         EXPECT_EQ(numbers(clusters), expected);
-        EXPECT_TRUE(
-            std::equal(positions.begin(), positions.end(), clusters.positions.begin()));
+        EXPECT_TRUE(std::equal(positions.begin(), positions.end(), clusters.positions.begin()));
     }
 }
 
@@ -209,8 +208,7 @@ TEST(Refiner, SurfacesThatAreNotConnectedEndInDifferentClusters) {
     expect_separate(test::two_sheets(70, 0.04), 60, 300,
                     [](const Vec3& p) { return p[2] < 0.02 ? 0 : 1; });
     expect_separate(test::many_spheres(3, 10), 50, 27 * 15, [](const Vec3& p) {
-        return static_cast<int>(std::lround(p[0]) + 3 * std::lround(p[1]) +
-                                9 * std::lround(p[2]));
+        return static_cast<int>(std::lround(p[0]) + 3 * std::lround(p[1]) + 9 * std::lround(p[2]));
     });
 }
 
@@ -239,8 +237,7 @@ TEST(OctreeFusion, MakesAtMostTheClustersAskedFor) {
             EXPECT_LE(clusters.size(), n);
             EXPECT_GE(clusters.size(), n - std::min<std::uint64_t>(n, 64));
             expect_all_used(clusters);
-            EXPECT_EQ(numbers(clusters),
-                      numbers(fuse_cells(*test::make_context(2), store, n)));
+            EXPECT_EQ(numbers(clusters), numbers(fuse_cells(*test::make_context(2), store, n)));
         }
         EXPECT_EQ(fuse_cells(*context, store, n_cells).size(), n_cells);
         EXPECT_EQ(fuse_cells(*context, store, 2 * n_cells).size(), n_cells);
