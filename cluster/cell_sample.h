@@ -25,8 +25,8 @@ class CellSample {
         points_.insert(points_.end(), points.begin(), points.end());
     }
 
-    /// Estimated number of cells that all points occupy.
-    [[nodiscard]] double count_cells(const UniformGrid& grid) const;
+    /// Estimated number of cells that all points occupy at a resolution.
+    [[nodiscard]] double cells_at(double resolution) const;
 
     /// Resolution with an estimate of about `wanted` cells; with more cells wanted than kSeparating
     /// of what the sampling has, separating_resolution().
@@ -41,6 +41,9 @@ class CellSample {
     [[nodiscard]] std::uint64_t memory_bytes() const { return points_.capacity() * 12; }
 
   private:
+    [[nodiscard]] double count_cells(const UniformGrid& grid) const;
+    [[nodiscard]] double count_nested(std::uint64_t cells_per_box) const;
+
     std::uint64_t stride_;  // one of so many boxes is chosen
     std::vector<LatticePoint> points_;
 };

@@ -41,7 +41,7 @@ std::uint64_t count_components(std::span<const CellTriple> triangles, std::uint6
 }
 
 std::uint16_t to_channel(float sum, float n) {
-    return static_cast<std::uint16_t>(std::clamp(sum / n, 0.0F, 65535.0F) + 0.5F);
+    return static_cast<std::uint16_t>(std::lround(std::clamp(sum / n, 0.0F, 65535.0F)));
 }
 
 }  // namespace

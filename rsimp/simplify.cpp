@@ -29,9 +29,10 @@ namespace {
 using namespace rsimp;
 
 // Expected shares of the time, for progress.
-const std::vector<ooc::StageWeight> kStages{{"bounds", 1},  {"vertices", 2}, {"sample", 2},
-                                            {"cluster", 8}, {"refine", 8},   {"mesh", 2},
-                                            {"finish", 12}, {"write", 2}};
+std::vector<ooc::StageWeight> stage_weights() {
+    return {{"bounds", 1}, {"vertices", 2}, {"sample", 2},  {"cluster", 8},
+            {"refine", 8}, {"mesh", 2},     {"finish", 12}, {"write", 2}};
+}
 
 // How far the fans of a cut vertex move towards their own neighbours, so that sheets do not touch.
 constexpr double kNudge = 0.02;
@@ -122,7 +123,7 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
                         const ParentsCallback& parents) {
     const auto start = std::chrono::steady_clock::now();
     check_options(options);
-    ooc::Context context(options.memory_bytes, options.n_threads, hooks, kStages);
+    ooc::Context context(options.memory_bytes, options.n_threads, hooks, stage_weights());
     SimplifyReport report;
     report.version = version();
     report.options = options;
