@@ -74,14 +74,19 @@ CellSample sample_soup(ooc::Context& context, MeshSource& source, const Lattice&
     return sample;
 }
 
+/// Files refuse these while they are read; other sources only count them.
 void check_strict(const MeshSource& source, const SimplifyOptions& options,
-                  const InputDefects& defects) {
+                  const InputDefects& d) {
     if (!options.strict) return;
-    if (defects.degenerate_triangles > 0) {
-        throw FormatError(
-            source.info().name + ": " + std::to_string(defects.degenerate_triangles) +
-            " triangles have no area; leave --strict out to have them counted instead");
-    }
+    const auto refuse_any = [&](std::uint64_t n, const char* what) {
+        if (n == 0) return;
+        throw FormatError(source.info().name + ": " + std::to_string(n) + what +
+                          "; leave --strict out to have them counted instead");
+    };
+    refuse_any(d.nonfinite_vertices, " vertices have NaN or infinite coordinates");
+    refuse_any(d.nonfinite_triangles, " triangles have NaN or infinite coordinates");
+    refuse_any(d.out_of_range_triangles, " triangles have a vertex index out of range");
+    refuse_any(d.degenerate_triangles, " triangles have no area");
 }
 
 void warn_of(ooc::Context& context, const MeshSource& source, const InputDefects& d) {
@@ -220,7 +225,8 @@ CellStore cluster_input(ooc::Context& context, MeshSource& source, const Simplif
     Pass pass(context, source, options, lattice, input.bounds, vertices, report);
     AccumulateResult result;
     const UniformGrid grid(choose_resolution(options, input.bounds, sample, info.n_faces, finer));
-    is_finest = grid.resolution() >= 0.99 * sample.separating_resolution() ||
+    is_finest = !(input.bounds.diagonal() > 0) ||  // all vertices in one place
+                grid.resolution() >= 0.99 * sample.separating_resolution() ||
                 grid.resolution() >= 0.99 * UniformGrid::kMaxResolution;
     const double cells = sample.cells_at(grid.resolution());
     check_memory(context, options, info, cells);

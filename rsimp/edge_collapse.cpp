@@ -584,7 +584,11 @@ std::uint64_t EdgeCollapse::round(const CollapseTarget& target) {
 }
 
 std::uint64_t EdgeCollapse::run(const CollapseTarget& target) {
-    most_displacement_ = target.most_displacement;
+    if (target.most_displacement != most_displacement_) {
+        // What the bound before this one forbade may be possible now.
+        for (std::uint64_t i = 0; i < n_live_; ++i) marks_[live_[i]] |= kStale;
+        most_displacement_ = target.most_displacement;
+    }
     std::uint64_t n = 0;
     // A round may fail to collapse anything because the proposals it looked at turned out to be
     // impossible; each such round settles some of them. Many in a row mean that nothing is left to

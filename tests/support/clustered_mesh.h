@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+/// The first half of the pipeline on a grid of the test's choice.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "cluster/accumulate.h"
+#include "cluster/cell_store.h"
+#include "cluster/cell_table.h"
+#include "hewer/mesh_source.h"
+#include "ooc/context.h"
+
+namespace hewer::test {
+
+/// Enough of everything for tests.
+inline std::unique_ptr<ooc::Context> make_context(unsigned n_threads = 2) {
+    return std::make_unique<ooc::Context>(std::uint64_t{4} << 30, n_threads, Hooks{});
+}
+
+/// A mesh after the pass over its triangles.
+struct ClusteredMesh {
+    ClusteredMesh(ooc::Context& context, MeshSource& source, double resolution,
+                  const Bounds& bounds);
+
+    cluster::Lattice lattice;
+    cluster::UniformGrid grid;
+    cluster::CellTable table;
+    cluster::AccumulateResult result;
+
+    /// Integer sums by cell: 13 of the surface, then 6 of the border.
+    [[nodiscard]] std::map<cluster::CellKey, std::array<std::int64_t, 19>> sums();
+};
+
+/// The cell store of an indexed mesh.
+cluster::CellStore cluster_mesh(ooc::Context& context, const Mesh& mesh, double resolution,
+                                double border_weight = 1);
+
+}  // namespace hewer::test
