@@ -10,7 +10,7 @@ namespace hewer::cluster {
 
 namespace {
 
-constexpr std::uint64_t kWanted = 200'000;
+constexpr std::uint64_t kWanted = 80'000;
 constexpr unsigned kBoxShift = 25;
 constexpr double kBoxes = 128;  // along an axis: thousands on any surface
 // Width of the bracket, as a share of its lower end, at which interpolation takes over.
@@ -40,6 +40,8 @@ bool CellSample::is_chosen(const LatticePoint& p) const {
 }
 
 double CellSample::count_cells(const UniformGrid& grid) const {
+    const auto known = counted_.find(grid.resolution());
+    if (known != counted_.end()) return known->second;
     const std::uint64_t capacity = std::bit_ceil(2 * points_.size() + 2);
     std::vector<CellKey> table(capacity, ~0ULL);
     std::uint64_t n = 0;
@@ -51,7 +53,7 @@ double CellSample::count_cells(const UniformGrid& grid) const {
         table[i] = key;
         ++n;
     }
-    return static_cast<double>(n) * static_cast<double>(stride_);
+    return counted_[grid.resolution()] = static_cast<double>(n) * static_cast<double>(stride_);
 }
 
 double CellSample::count_positions() const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "cluster/lattice.h"
@@ -22,6 +23,7 @@ class CellSample {
 
     [[nodiscard]] bool is_chosen(const LatticePoint& p) const;
     void add(const std::vector<LatticePoint>& points) {
+        counted_.clear();
         points_.insert(points_.end(), points.begin(), points.end());
     }
 
@@ -44,6 +46,8 @@ class CellSample {
     [[nodiscard]] double count_cells(const UniformGrid& grid) const;
     [[nodiscard]] double count_nested(std::uint64_t cells_per_box) const;
 
+    // Estimates by resolution: each is asked for several times. One thread.
+    mutable std::map<double, double> counted_;
     std::uint64_t stride_;  // one of so many boxes is chosen
     std::vector<LatticePoint> points_;
 };
