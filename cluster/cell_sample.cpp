@@ -10,7 +10,7 @@ namespace hewer::cluster {
 
 namespace {
 
-constexpr std::uint64_t kWanted = 200'000;
+constexpr std::uint64_t kWanted = 80'000;
 constexpr unsigned kBoxShift = 25;
 constexpr double kBoxes = 128;  // along an axis: thousands on any surface
 // Width of the bracket, as a share of its lower end, at which interpolation takes over.
@@ -40,6 +40,8 @@ bool CellSample::is_chosen(const LatticePoint& p) const {
 }
 
 double CellSample::count_cells(const UniformGrid& grid) const {
+    const auto known = counted_.find(grid.resolution());
+    if (known != counted_.end()) return known->second;
     const std::uint64_t capacity = std::bit_ceil(2 * points_.size() + 2);
     std::vector<CellKey> table(capacity, ~0ULL);
     std::uint64_t n = 0;
@@ -51,7 +53,7 @@ double CellSample::count_cells(const UniformGrid& grid) const {
         table[i] = key;
         ++n;
     }
-    return static_cast<double>(n) * static_cast<double>(stride_);
+    return counted_[grid.resolution()] = static_cast<double>(n) * static_cast<double>(stride_);
 }
 
 double CellSample::count_positions() const {
@@ -69,44 +71,47 @@ double CellSample::separating_resolution() const {
     return resolution;
 }
 
+/// Only grids that nest in the boxes are counted without bias: a cell across the wall of a box
+/// would count on both sides. Between them, and below, the count follows a power of the resolution.
+double CellSample::count_nested(std::uint64_t cells_per_box) const {
+    return std::max(1.0, count_cells(UniformGrid(kBoxes * static_cast<double>(cells_per_box))));
+}
+
+double CellSample::cells_at(double resolution) const {
+    const double along_box = resolution / kBoxes;
+    if (along_box <= 1) return std::max(1.0, count_nested(1) * along_box * along_box);
+    const auto low = static_cast<std::uint64_t>(along_box);
+    const double n_low = count_nested(low);
+    const double n_high = count_nested(low + 1);
+    const double place = std::log(along_box / static_cast<double>(low)) /
+                         std::log(static_cast<double>(low + 1) / static_cast<double>(low));
+    return n_low * std::pow(n_high / n_low, place);
+}
+
 double CellSample::resolution_for(double wanted) const {
     if (wanted >= kSeparating * count_positions()) return separating_resolution();
-    // Only grids that nest in the boxes are counted without bias: a cell across the wall of a box
-    // would count on both sides. Between them, and below, the count follows a power of the
-    // resolution.
     std::uint64_t low = 1;  // cells along a box
     std::uint64_t high = 2;
-    const auto count = [&](std::uint64_t k) {
-        return std::max(1.0, count_cells(UniformGrid(kBoxes * static_cast<double>(k))));
-    };
-    double n_low = count(low);
-    double n_high = count(high);
+    double n_low = count_nested(low);
+    double n_high = count_nested(high);
     while (n_high < wanted && kBoxes * static_cast<double>(high) < UniformGrid::kMaxResolution) {
         low = std::exchange(high, 2 * high);
-        n_low = std::exchange(n_high, count(high));
+        n_low = std::exchange(n_high, count_nested(high));
     }
-    while (high - low > 1 && n_low < wanted) {
+    while (n_low<wanted&& static_cast<double>(high - low)> std::max(
+        1.0, kFineEnough * static_cast<double>(low))) {
         const std::uint64_t middle = (low + high) / 2;
-        if (kBoxes * static_cast<double>(high - low) <
-            kFineEnough * kBoxes * static_cast<double>(low)) {
-            break;
-        }
-        const double n = count(middle);
-        if (n < wanted) {
-            low = middle;
-            n_low = n;
-        } else {
-            high = middle;
-            n_high = n;
-        }
+        const double n = count_nested(middle);
+        (n < wanted ? low : high) = middle;
+        (n < wanted ? n_low : n_high) = n;
     }
-    const double power =
-        wanted < n_low
-            ? 2
-            : std::max(0.5, std::log(n_high / n_low) /
-                                std::log(static_cast<double>(high) / static_cast<double>(low)));
+    double power = 2;  // of a surface
+    if (wanted >= n_low) {
+        power = std::log(n_high / n_low) /
+                std::log(static_cast<double>(high) / static_cast<double>(low));
+    }
     const double resolution =
-        kBoxes * static_cast<double>(low) * std::pow(wanted / n_low, 1 / power);
+        kBoxes * static_cast<double>(low) * std::pow(wanted / n_low, 1 / std::max(0.5, power));
     return std::clamp(resolution, 1.0, UniformGrid::kMaxResolution);
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "cluster/lattice.h"
@@ -22,11 +23,12 @@ class CellSample {
 
     [[nodiscard]] bool is_chosen(const LatticePoint& p) const;
     void add(const std::vector<LatticePoint>& points) {
+        counted_.clear();
         points_.insert(points_.end(), points.begin(), points.end());
     }
 
-    /// Estimated number of cells that all points occupy.
-    [[nodiscard]] double count_cells(const UniformGrid& grid) const;
+    /// Estimated number of cells that all points occupy at a resolution.
+    [[nodiscard]] double cells_at(double resolution) const;
 
     /// Resolution with an estimate of about `wanted` cells; with more cells wanted than kSeparating
     /// of what the sampling has, separating_resolution().
@@ -41,6 +43,11 @@ class CellSample {
     [[nodiscard]] std::uint64_t memory_bytes() const { return points_.capacity() * 12; }
 
   private:
+    [[nodiscard]] double count_cells(const UniformGrid& grid) const;
+    [[nodiscard]] double count_nested(std::uint64_t cells_per_box) const;
+
+    // Estimates by resolution: each is asked for several times. One thread.
+    mutable std::map<double, double> counted_;
     std::uint64_t stride_;  // one of so many boxes is chosen
     std::vector<LatticePoint> points_;
 };

@@ -28,7 +28,7 @@ class UniformGrid {
         resolution = std::clamp(resolution, 1.0, kMaxResolution);
         // The multiplier keeps 31 bits, so the product of 32 + 31 bits fits.
         extra_bits_ = 30 - std::ilogb(resolution);
-        multiplier_ = static_cast<std::uint64_t>(std::ldexp(resolution, extra_bits_) + 0.5);
+        multiplier_ = static_cast<std::uint64_t>(std::llround(std::ldexp(resolution, extra_bits_)));
         fraction_bits_ = 32 + static_cast<unsigned>(extra_bits_);
         to_units_ = std::ldexp(1.0, -static_cast<int>(fraction_bits_));
         step_in_cells_ = static_cast<double>(multiplier_) * to_units_;

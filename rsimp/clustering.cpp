@@ -227,7 +227,7 @@ CellStore cluster_input(ooc::Context& context, MeshSource& source, const Simplif
     is_finest = !(input.bounds.diagonal() > 0) ||  // all vertices in one place
                 grid.resolution() >= 0.99 * sample.separating_resolution() ||
                 grid.resolution() >= 0.99 * UniformGrid::kMaxResolution;
-    const double cells = sample.count_cells(grid);
+    const double cells = sample.cells_at(grid.resolution());
     check_memory(context, options, info, cells);
     CellStore store = pass.run(grid, cells, result);
     stages.end();

@@ -282,6 +282,16 @@ struct EdgeQuadric {
 
 }  // namespace
 
+MergedVertex merge(const CollapseVertex& u, const CollapseVertex& v) {
+    const EdgeQuadric edge(u, v);
+    MergedVertex merged{{edge.optimum, edge.quadric, u.box}, edge.cost(edge.optimum)};
+    for (std::size_t i = 0; i < 3; ++i) {
+        merged.vertex.box[i] = std::min(u.box[i], v.box[i]);
+        merged.vertex.box[3 + i] = std::max(u.box[3 + i], v.box[3 + i]);
+    }
+    return merged;
+}
+
 std::optional<EdgeCollapse::Placement> EdgeCollapse::place(std::uint32_t u, std::uint32_t v,
                                                            const Scratch& scratch) const {
     const EdgeQuadric edge(mesh_.vertices[u], mesh_.vertices[v]);

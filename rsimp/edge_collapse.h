@@ -33,6 +33,14 @@ struct CollapseMesh {
     ooc::Array<cluster::CellAttributes> attributes;  ///< summed; may be empty
 };
 
+/// Two vertices as one, where the quadrics of both want it, without regard to the faces around
+/// them.
+struct MergedVertex {
+    CollapseVertex vertex;
+    double cost = 0;
+};
+MergedVertex merge(const CollapseVertex& u, const CollapseVertex& v);
+
 /// Where to stop; whichever comes first.
 struct CollapseTarget {
     std::uint64_t most_triangles = 0;
@@ -57,7 +65,12 @@ class EdgeCollapse {
     /// smaller. Returns the number of collapses.
     std::uint64_t run(const CollapseTarget& target);
 
-    /// How many collapses the target is away, if nothing hinders them. 0 with an error bound.
+    [[nodiscard]] bool is_met(const CollapseTarget& target) const {
+        return n_triangles_ <= target.most_triangles && n_vertices_ <= target.most_vertices;
+    }
+    /// How many collapses of inner edges the target is away.
+    [[nodiscard]] std::uint64_t n_needed(const CollapseTarget& target) const;
+    /// The same, if nothing hinders them. 0 with an error bound: nobody knows.
     [[nodiscard]] std::uint64_t n_expected(const CollapseTarget& target) const;
 
     /// Removes whole closed or open components, smallest box first, until the target is met, when
@@ -111,11 +124,7 @@ class EdgeCollapse {
     void claim_neighbourhoods(std::uint64_t bound);
     [[nodiscard]] std::vector<std::uint64_t> find_winners(std::uint64_t bound) const;
     std::uint64_t carry_out(const std::vector<std::uint64_t>& winners, std::uint64_t most);
-    [[nodiscard]] std::uint64_t n_needed(const CollapseTarget& target) const;
     std::uint64_t round(const CollapseTarget& target);
-    [[nodiscard]] bool is_met(const CollapseTarget& target) const {
-        return n_triangles_ <= target.most_triangles && n_vertices_ <= target.most_vertices;
-    }
 
     ooc::Context& context_;
     CollapseMesh mesh_;

@@ -18,6 +18,8 @@ namespace hewer::rsimp {
 
 namespace {
 
+// Lists of an LOD's vertices here, sums for missing normals, and what a sink may hold (STL: 12).
+constexpr std::uint64_t kBytesPerVertex = 8 + 12 + 12;
 constexpr std::uint64_t kPiece = 1 << 14;  // vertices and triangles handed to a sink at once
 
 std::uint64_t count_components(std::span<const CellTriple> triangles, std::uint64_t n_vertices) {
@@ -41,7 +43,7 @@ std::uint64_t count_components(std::span<const CellTriple> triangles, std::uint6
 }
 
 std::uint16_t to_channel(float sum, float n) {
-    return static_cast<std::uint16_t>(std::clamp(sum / n, 0.0F, 65535.0F) + 0.5F);
+    return static_cast<std::uint16_t>(std::lround(std::clamp(sum / n, 0.0F, 65535.0F)));
 }
 
 }  // namespace
@@ -55,26 +57,45 @@ struct LodWriter::Gathered {
 };
 
 LodWriter::LodWriter(ooc::Context& context, const Origin& origin, const EdgeCollapse& collapse)
-    : context_(context), origin_(origin), collapse_(collapse) {}
+    : context_(context), origin_(origin), collapse_(&collapse) {}
+
+void LodWriter::rebase(const EdgeCollapse& collapse, std::uint64_t n_clusters,
+                       std::span<const std::uint32_t> cluster_of_old_vertex) {
+    collapse_ = &collapse;
+    origin_.n_clusters = n_clusters;
+    // Any vertex of the cluster: where a cluster was cut there is no single parent any more.
+    std::vector<std::uint32_t> vertex_of(n_clusters, kNoIndex);
+    for (std::uint32_t v = 0; v < origin_.cluster_of_vertex.size(); ++v) {
+        std::uint32_t& first = vertex_of[origin_.cluster_of_vertex[v]];
+        if (first == kNoIndex) first = v;
+    }
+    for (std::uint32_t& v : previous_) {
+        if (v == kNoIndex || cluster_of_old_vertex[v] == kNoIndex) {
+            v = kNoIndex;
+        } else {
+            v = vertex_of[cluster_of_old_vertex[v]];
+        }
+    }
+}
 
 void LodWriter::write(MeshSink& sink, LodReport& report) {
-    const CollapseMesh& mesh = collapse_.mesh();
+    const CollapseMesh& mesh = collapse_->mesh();
     Gathered lod;
-    lod.triangles = {context_.budget(), "LOD triangles", collapse_.n_triangles()};
+    lod.triangles = {context_.budget(), "LOD triangles", collapse_->n_triangles()};
     const std::uint64_t n_all = mesh.vertices.size();
     lod.new_index = {context_.budget(), "LOD vertices", n_all};
     const ooc::Reservation vertex_bytes =
-        context_.budget().reserve("LOD vertices", 12 * collapse_.n_vertices());
+        context_.budget().reserve("LOD vertices", kBytesPerVertex * collapse_->n_vertices());
     std::uint64_t n = 0;
     for (std::uint64_t t = 0; t < mesh.triangles.size(); ++t) {
-        if (collapse_.is_live_triangle(t)) lod.triangles[n++] = mesh.triangles[t];
+        if (collapse_->is_live_triangle(t)) lod.triangles[n++] = mesh.triangles[t];
     }
     {
         const ooc::Reservation scratch = context_.budget().reserve(
             "vertex cache order", streaming::vertex_cache_order_bytes(n, n_all));
         streaming::order_for_vertex_cache(lod.triangles.span(), n_all, lod.new_index.span());
     }
-    lod.vertices.resize(collapse_.n_vertices());
+    lod.vertices.resize(collapse_->n_vertices());
     for (std::uint32_t v = 0; v < n_all; ++v) {
         if (lod.new_index[v] != streaming::kUnusedVertex) lod.vertices[lod.new_index[v]] = v;
     }
@@ -121,7 +142,7 @@ void LodWriter::write(MeshSink& sink, LodReport& report) {
     parents_.clear();
     parents_.reserve(previous_.size());
     for (const std::uint32_t v : previous_) {
-        const std::uint32_t now = collapse_.representative(v);
+        const std::uint32_t now = v == kNoIndex ? kNoIndex : collapse_->representative(v);
         parents_.push_back(now == kNoIndex ? std::numeric_limits<std::uint64_t>::max()
                                            : lod.new_index[now]);
     }
@@ -129,7 +150,7 @@ void LodWriter::write(MeshSink& sink, LodReport& report) {
 }
 
 void LodWriter::send_vertices(MeshSink& sink, const Gathered& lod) {
-    const CollapseMesh& mesh = collapse_.mesh();
+    const CollapseMesh& mesh = collapse_->mesh();
     const std::uint64_t n = lod.vertices.size();
     // Stands in where a vertex has no usable normal of its own.
     std::vector<std::array<float, 3>> face_normals;
@@ -186,7 +207,7 @@ void LodWriter::send_vertices(MeshSink& sink, const Gathered& lod) {
 
 void LodWriter::measure_displacement(const Gathered& lod, LodReport& report) const {
     // Vertices of each cluster as linked lists.
-    const CollapseMesh& mesh = collapse_.mesh();
+    const CollapseMesh& mesh = collapse_->mesh();
     const std::uint64_t n_vertices = origin_.cluster_of_vertex.size();
     ooc::Array<std::uint32_t> first(context_.budget(), "vertices of clusters", origin_.n_clusters);
     ooc::Array<std::uint32_t> next(context_.budget(), "vertices of clusters", n_vertices);
@@ -207,7 +228,7 @@ void LodWriter::measure_displacement(const Gathered& lod, LodReport& report) con
                 bool is_lost = true;
                 for (std::uint32_t v = first[origin_.cluster_of_cell[cell]]; v != kNoIndex;
                      v = next[v]) {
-                    const std::uint32_t now = collapse_.representative(v);
+                    const std::uint32_t now = collapse_->representative(v);
                     if (now == kNoIndex || lod.new_index[now] == streaming::kUnusedVertex) continue;
                     is_lost = false;
                     local =

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,12 @@ class LodWriter {
 
     LodWriter(ooc::Context& context, const Origin& origin, const EdgeCollapse& collapse);
 
+    /// The collapse has been replaced: its vertices are new, and the arrays of Origin refer to new
+    /// clusters. `cluster_of_old_vertex`: where the vertices of the old one went, kNoIndex if
+    /// nowhere.
+    void rebase(const EdgeCollapse& collapse, std::uint64_t n_clusters,
+                std::span<const std::uint32_t> cluster_of_old_vertex);
+
     /// Writes the mesh as it is now; fills the counts, bounds, error bound and topology of
     /// `report`.
     void write(MeshSink& sink, LodReport& report);
@@ -52,7 +59,7 @@ class LodWriter {
 
     ooc::Context& context_;
     Origin origin_;
-    const EdgeCollapse& collapse_;
+    const EdgeCollapse* collapse_;
     std::vector<std::uint32_t> previous_;  // vertices of the last LOD, in its order
     LodParents parents_;
     std::uint64_t hash_ = 0xcbf29ce484222325ULL;

@@ -107,7 +107,7 @@ PlanReport plan(const std::filesystem::path& input, const SimplifyOptions& optio
     const double resolution = rsimp::choose_resolution(options, bounds, cells, info.n_faces, share);
     const cluster::UniformGrid grid(resolution);
     report.cell_size = grid.cell_size(lattice);
-    report.cells = static_cast<std::uint64_t>(cells.count_cells(grid) / share);
+    report.cells = static_cast<std::uint64_t>(cells.cells_at(grid.resolution()) / share);
     report.surviving_triangles = std::min(info.n_faces, 2 * report.cells + report.cells / 8);
     const double wanted = rsimp::kClustersPerVertex * vertices;
     const bool is_refined = options.method != Method::Uniform && wanted > 0 &&

@@ -12,7 +12,6 @@ namespace hewer::rsimp {
 
 using cluster::CellStore;
 using cluster::CellTriple;
-using cluster::Quadric;
 
 namespace {
 

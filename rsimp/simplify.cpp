@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "hewer/version.h"
@@ -21,6 +22,7 @@
 #include "rsimp/manifold.h"
 #include "rsimp/stage_log.h"
 #include "rsimp/start_mesh.h"
+#include "rsimp/topology_change.h"
 
 namespace hewer {
 
@@ -29,57 +31,9 @@ namespace {
 using namespace rsimp;
 
 // Expected shares of the time, for progress.
-const std::vector<ooc::StageWeight> kStages{{"bounds", 1},  {"vertices", 2}, {"sample", 2},
-                                            {"cluster", 8}, {"refine", 8},   {"mesh", 2},
-                                            {"finish", 12}, {"write", 2}};
-
-// How far the fans of a cut vertex move towards their own neighbours, so that sheets do not touch.
-constexpr double kNudge = 0.02;
-
-/// Gives every vertex of the manifold mesh its cluster's place and quadric. Vertices that share a
-/// cluster share its quadric, and step apart.
-CollapseMesh make_collapse_mesh(ooc::Context& context, Clusters& clusters, ManifoldMesh& manifold) {
-    const std::uint64_t n = manifold.cluster_of_vertex.size();
-    CollapseMesh mesh;
-    mesh.triangles = std::move(manifold.triangles);
-    mesh.vertices = {context.budget(), "mesh vertices", n};
-    if (!clusters.attributes.empty()) mesh.attributes = {context.budget(), "mesh attributes", n};
-    ooc::Array<std::uint32_t> n_fans(context.budget(), "fans", clusters.size());
-    for (const std::uint32_t c : manifold.cluster_of_vertex) ++n_fans[c];
-    for (std::uint64_t v = 0; v < n; ++v) {
-        const std::uint32_t c = manifold.cluster_of_vertex[v];
-        CollapseVertex& vertex = mesh.vertices[v];
-        vertex = {clusters.positions[c], clusters.quadrics[c], clusters.boxes[c]};
-        if (!mesh.attributes.empty()) mesh.attributes[v] = clusters.attributes[c];
-        if (n_fans[c] > 1) {
-            const double share = 1.0 / n_fans[c];
-            for (double& x : vertex.quadric.a) x *= share;
-            for (double& x : vertex.quadric.b) x *= share;
-            vertex.quadric.c *= share;
-        }
-    }
-    if (manifold.n_cut_vertices > 0) {
-        ooc::Array<std::array<double, 4>> pull(context.budget(), "fans", n);
-        for (const CellTriple& t : mesh.triangles) {
-            for (std::size_t i = 0; i < 3; ++i) {
-                if (n_fans[manifold.cluster_of_vertex[t[i]]] < 2) continue;
-                for (const std::size_t k : {(i + 1) % 3, (i + 2) % 3}) {
-                    for (std::size_t d = 0; d < 3; ++d) {
-                        pull[t[i]][d] += clusters.positions[manifold.cluster_of_vertex[t[k]]][d] -
-                                         clusters.positions[manifold.cluster_of_vertex[t[i]]][d];
-                    }
-                    pull[t[i]][3] += 1;
-                }
-            }
-        }
-        for (std::uint64_t v = 0; v < n; ++v) {
-            if (pull[v][3] == 0) continue;
-            for (std::size_t d = 0; d < 3; ++d) {
-                mesh.vertices[v].position[d] += kNudge * pull[v][d] / pull[v][3];
-            }
-        }
-    }
-    return mesh;
+std::vector<ooc::StageWeight> stage_weights() {
+    return {{"bounds", 1}, {"vertices", 2}, {"sample", 2},  {"cluster", 8},
+            {"refine", 8}, {"mesh", 2},     {"finish", 12}, {"write", 2}};
 }
 
 CollapseTarget collapse_target(const Target& target, const SimplifyReport& report,
@@ -109,6 +63,26 @@ CollapseTarget collapse_target(const Target& target, const SimplifyReport& repor
     return t;
 }
 
+/// Makes the classes of `merged` the clusters of the run: cells and vertices refer to them from now
+/// on.
+void adopt(ooc::Context& context, const MergedMesh& merged, Clusters& clusters,
+           ManifoldMesh& manifold) {
+    // Cells of which nothing is left get a class without a vertex.
+    const auto none = static_cast<std::uint32_t>(merged.n_classes);
+    ooc::Array<std::uint32_t> class_of_cluster(context.budget(), "merged clusters",
+                                               clusters.n_clusters);
+    std::fill(class_of_cluster.begin(), class_of_cluster.end(), none);
+    for (std::uint32_t v = 0; v < manifold.cluster_of_vertex.size(); ++v) {
+        const std::uint32_t c = merged.class_of_old_vertex[v];
+        if (c != kNoIndex) class_of_cluster[manifold.cluster_of_vertex[v]] = c;
+    }
+    for (std::uint32_t& c : clusters.cluster_of_cell) c = class_of_cluster[c];
+    clusters.n_clusters = merged.n_classes + 1;
+    manifold.cluster_of_vertex = {context.budget(), "vertices", merged.class_of_vertex.size()};
+    std::copy(merged.class_of_vertex.begin(), merged.class_of_vertex.end(),
+              manifold.cluster_of_vertex.begin());
+}
+
 std::string hex(std::uint64_t value) {
     std::array<char, 17> text{};
     std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(value));
@@ -122,7 +96,7 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
                         const ParentsCallback& parents) {
     const auto start = std::chrono::steady_clock::now();
     check_options(options);
-    ooc::Context context(options.memory_bytes, options.n_threads, hooks, kStages);
+    ooc::Context context(options.memory_bytes, options.n_threads, hooks, stage_weights());
     SimplifyReport report;
     report.version = version();
     report.options = options;
@@ -138,6 +112,7 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
     store.cells.release();
     store.attributes.release();
     store.triangles.release();
+    const bool is_closed = store.n_border_cells == 0;
     if (manifold.triangles.empty()) {
         throw InvalidArgument(
             source.info().name +
@@ -148,17 +123,17 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
     clusters.quadrics.release();
     clusters.boxes.release();
     clusters.attributes.release();
-    EdgeCollapse collapse(context, std::move(mesh));
+    std::optional<EdgeCollapse> collapse(std::in_place, context, std::move(mesh));
 
     const SourceInfo& info = source.info();
     std::vector<Target> targets = options.targets;
     const bool is_free = targets.empty();  // uniform with a given cell: everything goes out
     if (is_free) targets.push_back({Target::Kind::Ratio, 1});
     LodWriter writer(context,
-                     {store, clusters.cluster_of_cell, manifold.cluster_of_vertex, clusters.size(),
-                      clusters.origin, info.has_normals, info.has_colors, info.has_alpha,
-                      info.has_double_positions},
-                     collapse);
+                     {store, clusters.cluster_of_cell, manifold.cluster_of_vertex,
+                      clusters.n_clusters, clusters.origin, info.has_normals, info.has_colors,
+                      info.has_alpha, info.has_double_positions},
+                     *collapse);
     std::vector<LodParents> all_parents;
     for (std::size_t i = 0; i < targets.size(); ++i) {
         LodReport lod;
@@ -169,9 +144,22 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
             if (is_budget && target.most_vertices == std::numeric_limits<std::uint64_t>::max()) {
                 lod.target_triangles = target.most_triangles;
             }
-            stages.begin("finish", collapse.n_expected(target), "collapses");
-            report.collapses += collapse.run(target);
-            if (is_budget) collapse.drop_components(target);
+            stages.begin("finish", collapse->n_expected(target), "collapses");
+            report.collapses += collapse->run(target);
+            // What the topology does not allow to collapse: components go first, then handles.
+            if (is_budget) collapse->drop_components(target);
+            while (is_budget && !collapse->is_met(target)) {
+                MergedMesh merged = merge_regardless(
+                    context, *collapse, std::max<std::uint64_t>(1, collapse->n_needed(target) / 2),
+                    is_closed);
+                if (merged.mesh.triangles.empty()) break;
+                adopt(context, merged, clusters, manifold);
+                collapse.emplace(context, std::move(merged.mesh));
+                writer.rebase(*collapse, clusters.n_clusters, merged.class_of_old_vertex.span());
+                lod.is_nested = false;
+                report.collapses += collapse->run(target);
+                collapse->drop_components(target);
+            }
         }
         stages.begin("write", 0, "bytes");
         const std::unique_ptr<MeshSink> sink = sinks(i);

@@ -25,6 +25,8 @@ constexpr double kEnoughTriangles = 1.25;
 constexpr double kUniformAim = 0.985;
 constexpr double kUniformLeast = 0.85;
 constexpr double kMoreClusters = 1.15;
+// How far the fans of a cut vertex move towards their own neighbours, so that sheets do not touch.
+constexpr double kNudge = 0.02;
 // Cells of the next grid for each cell of one that was too coarse.
 constexpr double kFinerGrid = 4;
 // The first splits of an error-bound run stop at this part of the bound; the collapse uses up the
@@ -162,6 +164,51 @@ StartMesh make_start_mesh(ooc::Context& context, MeshSource& source, const Simpl
         if (is_finest || static_cast<double>(start.manifold.triangles.size()) >= enough)
             return start;
     }
+}
+
+CollapseMesh make_collapse_mesh(ooc::Context& context, const Clusters& clusters,
+                                ManifoldMesh& manifold) {
+    const std::uint64_t n = manifold.cluster_of_vertex.size();
+    CollapseMesh mesh;
+    mesh.triangles = std::move(manifold.triangles);
+    mesh.vertices = {context.budget(), "mesh vertices", n};
+    if (!clusters.attributes.empty()) mesh.attributes = {context.budget(), "mesh attributes", n};
+    ooc::Array<std::uint32_t> n_fans(context.budget(), "fans", clusters.size());
+    for (const std::uint32_t c : manifold.cluster_of_vertex) ++n_fans[c];
+    for (std::uint64_t v = 0; v < n; ++v) {
+        const std::uint32_t c = manifold.cluster_of_vertex[v];
+        CollapseVertex& vertex = mesh.vertices[v];
+        vertex = {clusters.positions[c], clusters.quadrics[c], clusters.boxes[c]};
+        if (!mesh.attributes.empty()) mesh.attributes[v] = clusters.attributes[c];
+        if (n_fans[c] > 1) {
+            const double share = 1.0 / n_fans[c];
+            for (double& x : vertex.quadric.a) x *= share;
+            for (double& x : vertex.quadric.b) x *= share;
+            vertex.quadric.c *= share;
+        }
+    }
+    if (manifold.n_cut_vertices > 0) {
+        ooc::Array<std::array<double, 4>> pull(context.budget(), "fans", n);
+        for (const CellTriple& t : mesh.triangles) {
+            for (std::size_t i = 0; i < 3; ++i) {
+                if (n_fans[manifold.cluster_of_vertex[t[i]]] < 2) continue;
+                for (const std::size_t k : {(i + 1) % 3, (i + 2) % 3}) {
+                    for (std::size_t d = 0; d < 3; ++d) {
+                        pull[t[i]][d] += clusters.positions[manifold.cluster_of_vertex[t[k]]][d] -
+                                         clusters.positions[manifold.cluster_of_vertex[t[i]]][d];
+                    }
+                    pull[t[i]][3] += 1;
+                }
+            }
+        }
+        for (std::uint64_t v = 0; v < n; ++v) {
+            if (pull[v][3] == 0) continue;
+            for (std::size_t d = 0; d < 3; ++d) {
+                mesh.vertices[v].position[d] += kNudge * pull[v][d] / pull[v][3];
+            }
+        }
+    }
+    return mesh;
 }
 
 }  // namespace hewer::rsimp

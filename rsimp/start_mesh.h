@@ -9,6 +9,7 @@
 #include "hewer/report.h"
 #include "ooc/context.h"
 #include "rsimp/clusters.h"
+#include "rsimp/edge_collapse.h"
 #include "rsimp/manifold.h"
 #include "rsimp/stage_log.h"
 
@@ -28,5 +29,11 @@ struct StartMesh {
 /// `store` receives the cell store; its cells may have been permuted.
 StartMesh make_start_mesh(ooc::Context& context, MeshSource& source, const SimplifyOptions& options,
                           StageLog& stages, cluster::CellStore& store, SimplifyReport& report);
+
+/// Gives every vertex of `manifold` the place and the quadric of its cluster; takes the triangles
+/// out of it. Vertices that share a cluster share its quadric, and step apart towards their own
+/// neighbours.
+CollapseMesh make_collapse_mesh(ooc::Context& context, const Clusters& clusters,
+                                ManifoldMesh& manifold);
 
 }  // namespace hewer::rsimp
