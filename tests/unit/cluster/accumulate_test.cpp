@@ -248,7 +248,7 @@ TEST(CellSample, EstimatesTheCellsOfABigSphere) {
     for (const double resolution : {128.0, 256.0}) {
         const UniformGrid grid(resolution);
         const double n = true_count(grid);
-        EXPECT_NEAR(sample.count_cells(grid), n, 0.1 * n);
+        EXPECT_NEAR(sample.cells_at(resolution), n, 0.1 * n);
     }
     for (const double wanted : {20'000.0, 150'000.0}) {
         EXPECT_NEAR(true_count(UniformGrid(sample.resolution_for(wanted))), wanted, 0.1 * wanted);
@@ -265,7 +265,7 @@ TEST(CellSample, TheSeparatingGridGivesNearlyEveryVertexItsOwnCell) {
     sample.add(points);
     const auto n = static_cast<double>(mesh.positions.size());
     EXPECT_EQ(sample.count_positions(), n);
-    EXPECT_GE(sample.count_cells(UniformGrid(sample.separating_resolution())), 0.995 * n);
+    EXPECT_GE(sample.cells_at(sample.separating_resolution()), 0.995 * n);
     EXPECT_EQ(sample.resolution_for(10 * n), sample.separating_resolution());
 }
 
