@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "cluster/vertex_store.h"
 
+#include <bit>
 #include <cmath>
 #include <map>
 #include <mutex>
@@ -75,6 +76,57 @@ Bounds scan_bounds(ooc::Context& context, MeshSource& source, InputDefects& defe
         throw FormatError(source.info().name + ": no vertex has finite coordinates");
     }
     return bounds;
+}
+
+VertexStore load_float_vertices(ooc::Context& context, MeshSource& source, InputDefects& defects,
+                                Bounds& bounds) {
+    const std::uint64_t n = source.info().n_vertices;
+    VertexStore store;
+    store.points = {context.budget(), "vertices", n};
+    store.cells = {context.budget(), "vertices", n};
+    std::mutex mutex;
+    std::map<std::uint64_t, InputDefects> by_place;
+    source.begin_vertices();
+    context.workers().on_each([&](unsigned) {
+        VertexBatch batch;
+        while (source.next_vertices(batch)) {
+            Bounds local;
+            for (std::uint64_t i = 0; i < batch.positions.size(); ++i) {
+                const Vec3& p = batch.positions[i];
+                const std::uint64_t v = batch.first + i;
+                if (!is_finite(p)) {
+                    store.cells[v] = CellTable::kNone;
+                    continue;
+                }
+                local.extend(p);
+                for (std::size_t k = 0; k < 3; ++k) {
+                    store.points[v][k] = std::bit_cast<std::uint32_t>(static_cast<float>(p[k]));
+                }
+            }
+            {
+                const std::lock_guard lock(mutex);
+                bounds.extend(local);
+                if (batch.defects.nonfinite_vertices > 0) by_place[batch.first] = batch.defects;
+            }
+            context.advance(batch.positions.size());
+        }
+    });
+    for (const auto& [first, found] : by_place) defects.merge(found);
+    if (bounds.is_empty()) {
+        throw FormatError(source.info().name + ": no vertex has finite coordinates");
+    }
+    const Lattice lattice(bounds);
+    context.workers().for_ranges(n, 1 << 15, [&](std::uint64_t begin, std::uint64_t end) {
+        for (std::uint64_t v = begin; v < end; ++v) {
+            if (!store.is_finite(v)) continue;
+            Vec3 p;
+            for (std::size_t k = 0; k < 3; ++k) {
+                p[k] = static_cast<double>(std::bit_cast<float>(store.points[v][k]));
+            }
+            store.points[v] = lattice.encode(p);
+        }
+    });
+    return store;
 }
 
 VertexStore load_vertices(ooc::Context& context, MeshSource& source, const Bounds& bounds,

@@ -29,6 +29,13 @@ struct VertexStore {
     }
 };
 
+/// Bounds and vertices of an input with single-precision positions in one pass: the floats wait in
+/// the store, 12 bytes each, until the box and with it the lattice is known. Defects and an input
+/// without a finite vertex as in scan_bounds(). Precondition: the source is indexed and has float
+/// positions.
+VertexStore load_float_vertices(ooc::Context& context, MeshSource& source, InputDefects& defects,
+                                Bounds& bounds);
+
 /// One pass over the vertices. Throws FormatError if one lies outside `bounds` (they were given by
 /// the user, then).
 VertexStore load_vertices(ooc::Context& context, MeshSource& source, const Bounds& bounds,

@@ -194,25 +194,33 @@ CellStore cluster_input(ooc::Context& context, MeshSource& source, const Simplif
     input.ignored = info.ignored;
 
     check_memory(context, options, info, cells_expected(options, info.n_faces, info.n_vertices));
+    VertexStore vertices;
+    InputDefects found;
+    // Float positions can wait in the vertex store until the box is known.
+    const bool is_one_pass = info.is_indexed && !info.has_double_positions && !options.bounds;
     if (options.bounds) {
         input.bounds = *options.bounds;
+    } else if (is_one_pass) {
+        stages.begin("vertices", info.n_vertices, "vertices");
+        vertices = cluster::load_float_vertices(context, source, found, input.bounds);
+        ++input.vertex_passes;
     } else {
         stages.begin("bounds", info.is_indexed ? info.n_vertices : info.n_faces,
                      info.is_indexed ? "vertices" : "triangles");
-        InputDefects found;
         input.bounds = cluster::scan_bounds(context, source, found);
-        input.defects.nonfinite_vertices = found.nonfinite_vertices;
-        input.defects.first_nonfinite = found.first_nonfinite;
         ++(info.is_indexed ? input.vertex_passes : input.triangle_passes);
     }
+    input.defects.nonfinite_vertices = found.nonfinite_vertices;
+    input.defects.first_nonfinite = found.first_nonfinite;
     const Lattice lattice(input.bounds);
 
-    VertexStore vertices;
     CellSample sample(0);
     if (info.is_indexed) {
-        stages.begin("vertices", info.n_vertices, "vertices");
-        vertices = cluster::load_vertices(context, source, input.bounds, lattice);
-        ++input.vertex_passes;
+        if (!is_one_pass) {
+            stages.begin("vertices", info.n_vertices, "vertices");
+            vertices = cluster::load_vertices(context, source, input.bounds, lattice);
+            ++input.vertex_passes;
+        }
         sample = sample_vertices(context, vertices);
     } else {
         stages.begin("sample", info.n_faces, "triangles");

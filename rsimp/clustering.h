@@ -11,7 +11,7 @@
 
 namespace hewer::rsimp {
 
-/// Passes: bounds (unless given), vertices, triangles; a soup has its corners sampled in a pass of
+/// Passes: vertices (for double positions bounds first, unless given), triangles; a soup has its corners sampled in a pass of
 /// its own, and vertex attributes are added in one more pass over the vertices. Fills report.input
 /// and report.grid. Throws FormatError if no usable triangle is found.
 ///

@@ -16,7 +16,7 @@ inline constexpr double kCellsPerVertex = 7;
 /// Even the smallest target gets this many cells: less would save no time worth having.
 inline constexpr double kFewestCells = 50'000;
 /// The same for the uniform method, which fuses them.
-inline constexpr double kUniformCellsPerVertex = 2.2;
+inline constexpr double kUniformCellsPerVertex = 3;
 /// Clusters per vertex of the finest LOD at which refinement hands over to the edge collapse.
 inline constexpr double kClustersPerVertex = 1.75;
 /// With an error bound E the cells are at most E / kCellsPerError long.

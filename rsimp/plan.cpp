@@ -130,7 +130,7 @@ PlanReport plan(const std::filesystem::path& input, const SimplifyOptions& optio
         options.memory_bytes != 0 ? options.memory_bytes : ooc::default_memory_limit();
     report.fits = report.memory_bytes <= report.memory_limit_bytes;
 
-    // Vertices twice (bounds, positions), faces once; a soup three times.
+    // Vertices once, twice with double positions (bounds first); faces once; a soup three times.
     const std::uint64_t vertex_bytes =
         info.is_indexed && info.n_vertices + info.n_faces > 0
             ? static_cast<std::uint64_t>(static_cast<double>(info.n_bytes) * 12.0 *
@@ -138,7 +138,8 @@ PlanReport plan(const std::filesystem::path& input, const SimplifyOptions& optio
                                          (12.0 * static_cast<double>(info.n_vertices) +
                                           13.0 * static_cast<double>(info.n_faces)))
             : 2 * info.n_bytes;
-    report.bytes_read = info.n_bytes + (options.bounds ? 0 : vertex_bytes);
+    const bool is_one_pass = options.bounds || (info.is_indexed && !info.has_double_positions);
+    report.bytes_read = info.n_bytes + (is_one_pass ? 0 : vertex_bytes);
     const std::uint64_t attribute_bytes =
         (info.has_normals ? 12U : 0U) + (info.has_colors ? 4U : 0U);
     report.bytes_written = out_triangles * 13 + out_triangles / 2 * (12 + attribute_bytes);

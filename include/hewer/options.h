@@ -52,7 +52,7 @@ struct SimplifyOptions {
     std::optional<Bounds> bounds;
 
     /// Weight of the border quadrics against the surface quadrics. 0: borders may wander.
-    double border_weight = 1.0;
+    double border_weight = 3.0;
 
     /// Defects in the input end the run instead of being counted.
     bool strict = false;

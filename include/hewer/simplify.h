@@ -34,9 +34,9 @@ using ParentsCallback = std::function<void(std::size_t lod, const LodParents& pa
 
 /// Simplifies `source` to options.targets.
 ///
-/// Passes: one over the vertices for the bounding box (none if options.bounds is set), one over the
-/// vertices and one over the triangles to cluster them.
-/// Memory: docs/memory.md gives the formula; all of it is reserved within options.memory_bytes.
+/// Passes: one over the vertices (two if positions are double and options.bounds is not set, one
+/// more with colours or normals) and one over the triangles; a soup is read three times. Memory:
+/// docs/memory.md gives the formula; all of it is reserved within options.memory_bytes.
 /// Determinism: equal input and options give equal bytes for any thread count and memory limit.
 /// Throws: InvalidArgument, FormatError, IoError, OutOfMemoryBudget, Cancelled.
 SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
