@@ -78,24 +78,27 @@ class Accumulator {
             if (with_face_normals_) add_face_normal(t[0].cell, normal, area);
             return;
         }
+        // Whole coordinates, modulo 2^32: differences of them are right.
+        std::array<std::array<std::uint32_t, 3>, 3> whole;
         for (std::size_t v = 0; v < 3; ++v) {
-            const LatticePoint& p = t[v].point;
-            const LatticePoint& next = t[(v + 1) % 3].point;
-            const LatticePoint& previous = t[(v + 2) % 3].point;
-            CellContribution one;
-            one.add_plane(fixed_, normal, area / 3, offset(p));
-            const auto q = quantized(p);
-            std::array<std::uint32_t, 3> chord;  // w - u for the corner v of (u, v, w)
             for (std::size_t i = 0; i < 3; ++i) {
-                chord[i] =
-                    static_cast<std::uint32_t>(grid_.quantized(next[i], fixed_.border_bits) -
-                                               grid_.quantized(previous[i], fixed_.border_bits));
-                one.border[i] = chord[i];
+                whole[v][i] =
+                    static_cast<std::uint32_t>(grid_.quantized(t[v].point[i], fixed_.border_bits));
+            }
+        }
+        CellContribution one;
+        one.set_normal(fixed_, normal, area / 3);
+        for (std::size_t v = 0; v < 3; ++v) {
+            one.set_place(fixed_, normal, area / 3, offset(t[v].point));
+            const auto q = relative_to_cell(whole[v]);
+            for (std::size_t i = 0; i < 3; ++i) {
+                // w - u for the corner v of (u, v, w)
+                one.border[i] = whole[(v + 1) % 3][i] - whole[(v + 2) % 3][i];
             }
             for (std::size_t i = 0; i < 3; ++i) {
                 const std::size_t j = (i + 1) % 3;
                 const std::size_t k = (i + 2) % 3;
-                one.border[3 + i] = q[j] * chord[k] - q[k] * chord[j];
+                one.border[3 + i] = q[j] * one.border[k] - q[k] * one.border[j];
             }
             one.add_to(table_.sums(t[v].cell), is_shared_);
             if (with_face_normals_) add_face_normal(t[v].cell, normal, area / 3);
@@ -131,15 +134,19 @@ class Accumulator {
     }
     /// Place relative to the centre of the point's own cell, in 2^-border_bits cells; modulo 2^32,
     /// as all arithmetic on borders.
-    [[nodiscard]] std::array<std::uint32_t, 3> quantized(const LatticePoint& p) const {
+    [[nodiscard]] std::array<std::uint32_t, 3> relative_to_cell(
+        const std::array<std::uint32_t, 3>& whole) const {
         const unsigned bits = fixed_.border_bits;
         const auto mask = (1U << bits) - 1;
-        std::array<std::uint32_t, 3> q;
+        const auto half = (1U << bits) / 2;
+        return {(whole[0] & mask) - half, (whole[1] & mask) - half, (whole[2] & mask) - half};
+    }
+    [[nodiscard]] std::array<std::uint32_t, 3> quantized(const LatticePoint& p) const {
+        std::array<std::uint32_t, 3> whole;
         for (std::size_t i = 0; i < 3; ++i) {
-            q[i] =
-                (static_cast<std::uint32_t>(grid_.quantized(p[i], bits)) & mask) - (1U << bits) / 2;
+            whole[i] = static_cast<std::uint32_t>(grid_.quantized(p[i], fixed_.border_bits));
         }
-        return q;
+        return relative_to_cell(whole);
     }
     void add_face_normal(std::uint32_t cell, const Vec3& normal, double area) {
         AttributeSums& sums = table_.attributes(cell);

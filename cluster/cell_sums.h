@@ -83,16 +83,26 @@ struct CellContribution {
     /// Adds a plane with unit normal n and area `weight` that passes through the points whose mean
     /// is `at` (relative to the cell's centre, in cells).
     void add_plane(const FixedPoint& fixed, const Vec3& n, double weight, const Vec3& at) {
+        CellContribution one;
+        one.set_normal(fixed, n, weight);
+        one.set_place(fixed, n, weight, at);
+        for (std::size_t i = 0; i < surface.size(); ++i) surface[i] += one.surface[i];
+    }
+    /// The part of a plane's quadric that does not depend on the place: A.
+    void set_normal(const FixedPoint& fixed, const Vec3& n, double weight) {
+        const double w = weight * fixed.scale;
+        const std::array<double, 6> values{w * n[0] * n[0], w * n[0] * n[1], w * n[0] * n[2],
+                                           w * n[1] * n[1], w * n[1] * n[2], w * n[2] * n[2]};
+        for (std::size_t i = 0; i < values.size(); ++i) surface[i] = round_to_int(values[i]);
+    }
+    /// The rest: b, c and the moment.
+    void set_place(const FixedPoint& fixed, const Vec3& n, double weight, const Vec3& at) {
         const double w = weight * fixed.scale;
         const double d = dot(n, at);
-        const double wx = w * n[0];
-        const double wy = w * n[1];
-        const double wz = w * n[2];
         const double wd = -w * d;
-        const std::array<double, 13> values{wx * n[0], wx * n[1], wx * n[2], wy * n[1], wy * n[2],
-                                            wz * n[2], wd * n[0], wd * n[1], wd * n[2], -wd * d,
-                                            w * at[0], w * at[1], w * at[2]};
-        for (std::size_t i = 0; i < values.size(); ++i) surface[i] += round_to_int(values[i]);
+        const std::array<double, 7> values{wd * n[0], wd * n[1], wd * n[2], -wd * d,
+                                           w * at[0], w * at[1], w * at[2]};
+        for (std::size_t i = 0; i < values.size(); ++i) surface[6 + i] = round_to_int(values[i]);
     }
 
     void add_to(CellSums& sums, bool shared) const {

@@ -16,7 +16,7 @@ namespace {
 
 // Components are looked for in clusters of at most this many cells: larger ones will be split
 // anyway, and the work per cell stays bounded.
-constexpr std::uint32_t kMostCellsForComponents = 512;
+constexpr std::uint32_t kMostCellsForComponents = 128;
 
 }  // namespace
 
