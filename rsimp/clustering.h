@@ -11,9 +11,9 @@
 
 namespace hewer::rsimp {
 
-/// Passes: vertices (for double positions bounds first, unless given), triangles; a soup has its corners sampled in a pass of
-/// its own, and vertex attributes are added in one more pass over the vertices. Fills report.input
-/// and report.grid. Throws FormatError if no usable triangle is found.
+/// Passes: vertices (for double positions bounds first, unless given), triangles; a soup has its
+/// corners sampled in a pass of its own, and vertex attributes are added in one more pass over the
+/// vertices. Fills report.input and report.grid. Throws FormatError if no usable triangle is found.
 ///
 /// @param finer      factor on the number of cells that the target calls for.
 /// @param is_finest  set if no grid could separate more of the input's vertices.
