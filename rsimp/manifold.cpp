@@ -21,7 +21,7 @@ namespace {
 constexpr std::uint64_t kMostFaces = 0xfffffffeU / 3;  // half-edge ids have 32 bits
 
 // Components with more faces are kept even where they touch a larger one.
-constexpr std::uint32_t kMostFacesOfBubble = 32;
+constexpr std::uint32_t kMostFacesOfBubble = 8;
 
 /// A face without its smallest vertex, by which faces are bucketed.
 struct RestOfFace {
