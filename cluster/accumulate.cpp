@@ -19,6 +19,15 @@ std::pair<ooc::Array<CellTriple>, std::uint64_t> TripleList::pop_piece() {
 
 namespace {
 
+// The kernel of the pass is compiled for wider vectors too and chosen at start-up; without fused
+// multiply-add both give the same bits. Sanitizers do not get along with such choices.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define HEWER_VECTOR_CLONES __attribute__((target_clones("avx2", "default")))
+#else
+#define HEWER_VECTOR_CLONES
+#endif
+
 // Areas add up as integers too: the report must not depend on the order of the batches.
 constexpr double kAreaScale = 1024;
 
@@ -40,7 +49,7 @@ class Accumulator {
           with_face_normals_(with_face_normals),
           is_shared_(context.n_threads() > 1) {}
 
-    void add(const std::array<Corner, 3>& t) {
+    HEWER_VECTOR_CLONES void add(const std::array<Corner, 3>& t) {
         ++n_triangles;
         const LatticePoint& p0 = t[0].point;
         const LatticePoint& p1 = t[1].point;
