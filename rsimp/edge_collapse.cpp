@@ -12,6 +12,7 @@
 #include "ooc/parallel.h"
 #include "ooc/vec3.h"
 #include "rsimp/cluster_summary.h"
+#include "rsimp/edge_quadric.h"
 
 namespace hewer::rsimp {
 
@@ -34,12 +35,6 @@ constexpr double kProposalsPerCollapse = 3;
 // Rounds without a collapse after which the mesh counts as finished.
 constexpr int kMostIdleRounds = 8;
 
-// Pull towards the area-weighted mean of the two ends, relative to the quadric's trace: decides
-// where the planes do not. On a flat patch it keeps triangles even.
-constexpr double kPull = 1e-3;
-// Cost of an edge's length, relative to trace times squared length: among equals the shortest goes
-// first.
-constexpr double kLengthCost = 1e-6;
 // A face may turn by at most acos(0.2), 78 degrees, in one collapse.
 constexpr double kLeastCosine = 0.2;
 // Below this quality (1: equilateral) the cost is raised in proportion.
@@ -226,70 +221,6 @@ double EdgeCollapse::shape_penalty(std::uint32_t u, std::uint32_t v, const Vec3&
         return std::numeric_limits<double>::infinity();
     }
     return worst < kPoorShape ? kPoorShape / std::max(worst, 1e-3) : 1;
-}
-
-namespace {
-
-/// Minimum of q with the pull towards `anchor`.
-Vec3 pulled_minimum(const cluster::Quadric& q, const Vec3& anchor) {
-    const Vec3 g = q.a * anchor + q.b;
-    const double mu = kPull * q.trace() + 1e-12;
-    const double xx = q.a[0] + mu;
-    const double xy = q.a[1];
-    const double xz = q.a[2];
-    const double yy = q.a[3] + mu;
-    const double yz = q.a[4];
-    const double zz = q.a[5] + mu;
-    // Cofactors; the matrix is positive definite.
-    const double c00 = yy * zz - yz * yz;
-    const double c01 = xz * yz - xy * zz;
-    const double c02 = xy * yz - xz * yy;
-    const double det = xx * c00 + xy * c01 + xz * c02;
-    if (!(det > 0)) return anchor;
-    const double c11 = xx * zz - xz * xz;
-    const double c12 = xy * xz - xx * yz;
-    const double c22 = xx * yy - xy * xy;
-    const double r = -1 / det;
-    return anchor + Vec3{r * (c00 * g[0] + c01 * g[1] + c02 * g[2]),
-                         r * (c01 * g[0] + c11 * g[1] + c12 * g[2]),
-                         r * (c02 * g[0] + c12 * g[1] + c22 * g[2])};
-}
-
-struct EdgeQuadric {
-    cluster::Quadric quadric;
-    Vec3 optimum{};
-    Vec3 low{};
-    Vec3 high{};
-    double length_cost = 0;
-
-    EdgeQuadric(const CollapseVertex& u, const CollapseVertex& v) : quadric(u.quadric) {
-        quadric += v.quadric;
-        const double wu = u.quadric.trace() + 1e-12;
-        const double wv = v.quadric.trace() + 1e-12;
-        optimum = pulled_minimum(quadric, (1 / (wu + wv)) * (wu * u.position + wv * v.position));
-        for (std::size_t i = 0; i < 3; ++i) {
-            low[i] = static_cast<double>(std::min(u.box[i], v.box[i]));
-            high[i] = static_cast<double>(std::max(u.box[3 + i], v.box[3 + i]));
-            optimum[i] = std::min(std::max(optimum[i], low[i]), high[i]);
-        }
-        const Vec3 edge = v.position - u.position;
-        length_cost = kLengthCost * (wu + wv) * dot(edge, edge);
-    }
-    [[nodiscard]] double cost(const Vec3& x) const {
-        return std::max(0.0, quadric.error(x)) + length_cost;
-    }
-};
-
-}  // namespace
-
-MergedVertex merge(const CollapseVertex& u, const CollapseVertex& v) {
-    const EdgeQuadric edge(u, v);
-    MergedVertex merged{{edge.optimum, edge.quadric, u.box}, edge.cost(edge.optimum)};
-    for (std::size_t i = 0; i < 3; ++i) {
-        merged.vertex.box[i] = std::min(u.box[i], v.box[i]);
-        merged.vertex.box[3 + i] = std::max(u.box[3 + i], v.box[3 + i]);
-    }
-    return merged;
 }
 
 std::optional<EdgeCollapse::Placement> EdgeCollapse::place(std::uint32_t u, std::uint32_t v,
@@ -601,80 +532,6 @@ std::uint64_t EdgeCollapse::run(const CollapseTarget& target) {
         context_.advance(done);
     }
     return n;
-}
-
-std::uint64_t EdgeCollapse::drop_components(const CollapseTarget& target) {
-    std::vector<std::uint32_t> label(parent_.size());
-    std::iota(label.begin(), label.end(), 0U);
-    const auto find = [&](std::uint32_t v) {
-        while (label[v] != v) v = label[v] = label[label[v]];
-        return v;
-    };
-    for (const CellTriple& t : mesh_.triangles) {
-        if (t[0] == kNoIndex) continue;
-        for (std::size_t i = 1; i < 3; ++i) {
-            const std::uint32_t a = find(t[0]);
-            const std::uint32_t b = find(t[i]);
-            label[std::max(a, b)] = std::min(a, b);
-        }
-    }
-    struct Component {
-        double size_sq = 0;
-        std::uint32_t label = 0;
-        std::uint64_t n_triangles = 0;
-        std::uint64_t n_vertices = 0;
-        std::array<float, 6> box{};
-    };
-    std::vector<Component> components;
-    std::vector<std::uint32_t> index(parent_.size(), kNoIndex);
-    for (std::uint64_t i = 0; i < n_live_; ++i) {
-        const std::uint32_t v = live_[i];
-        std::uint32_t& at = index[find(v)];
-        if (at == kNoIndex) {
-            at = static_cast<std::uint32_t>(components.size());
-            components.push_back({0, find(v), 0, 0, mesh_.vertices[v].box});
-        }
-        Component& c = components[at];
-        ++c.n_vertices;
-        for (std::size_t k = 0; k < 3; ++k) {
-            c.box[k] = std::min(c.box[k], mesh_.vertices[v].box[k]);
-            c.box[3 + k] = std::max(c.box[3 + k], mesh_.vertices[v].box[3 + k]);
-        }
-    }
-    for (const CellTriple& t : mesh_.triangles) {
-        if (t[0] != kNoIndex) ++components[index[find(t[0])]].n_triangles;
-    }
-    for (Component& c : components) {
-        for (std::size_t k = 0; k < 3; ++k) {
-            const double d = static_cast<double>(c.box[3 + k]) - static_cast<double>(c.box[k]);
-            c.size_sq += d * d;
-        }
-    }
-    std::sort(components.begin(), components.end(), [](const Component& a, const Component& b) {
-        return a.size_sq != b.size_sq ? a.size_sq < b.size_sq : a.label < b.label;
-    });
-    std::uint64_t n_dropped = 0;
-    std::vector<bool> is_dropped(parent_.size());
-    for (std::size_t i = 0; i + 1 < components.size() && !is_met(target); ++i) {
-        is_dropped[components[i].label] = true;
-        n_triangles_ -= components[i].n_triangles;
-        n_vertices_ -= components[i].n_vertices;
-        ++n_dropped;
-    }
-    for (CellTriple& t : mesh_.triangles) {
-        if (t[0] != kNoIndex && is_dropped[find(t[0])]) t = {kNoIndex, kNoIndex, kNoIndex};
-    }
-    std::uint64_t kept = 0;
-    for (std::uint64_t i = 0; i < n_live_; ++i) {
-        const std::uint32_t v = live_[i];
-        if (is_dropped[find(v)]) {
-            parent_[v] = kNoIndex;
-        } else {
-            live_[kept++] = v;
-        }
-    }
-    n_live_ = kept;
-    return n_dropped;
 }
 
 }  // namespace hewer::rsimp

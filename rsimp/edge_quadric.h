@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+/// What an edge costs and where its vertex goes, by the quadrics of its ends alone.
+#pragma once
+
+#include <algorithm>
+
+#include "rsimp/edge_collapse.h"
+
+namespace hewer::rsimp {
+
+/// The sum of two vertices' quadrics with its minimum, pulled a little towards the area-weighted
+/// mean of the ends and clamped to the box of the cells that both stand for.
+struct EdgeQuadric {
+    cluster::Quadric quadric;
+    Vec3 optimum{};
+    Vec3 low{};  ///< of the box
+    Vec3 high{};
+    double length_cost = 0;
+
+    EdgeQuadric(const CollapseVertex& u, const CollapseVertex& v);
+
+    [[nodiscard]] double cost(const Vec3& x) const {
+        return std::max(0.0, quadric.error(x)) + length_cost;
+    }
+};
+
+}  // namespace hewer::rsimp
