@@ -66,14 +66,17 @@ ScanSurface::ScanSurface(const BoxGrid& grid, std::uint64_t seed)
       pigment_{make_octave(2.6F, 1), make_octave(7.3F, 1)} {
     const float finest = 1 / (kSamplesPerWave * spacing_);
     float amplitude = kRoughAmplitude;
-    for (float f = kRoughFrequency; f <= std::max(finest, kRoughFrequency); f *= kLacunarity) {
-        rough_.push_back(make_octave(f, amplitude));
+    float frequency = kRoughFrequency;
+    while (frequency <= std::max(finest, kRoughFrequency)) {
+        rough_.push_back(make_octave(frequency, amplitude));
+        frequency *= kLacunarity;
         amplitude *= kRoughGain;
     }
     amplitude = kRidgeAmplitude;
-    for (float f = kRidgeFrequency; f <= std::max(finest, kRidgeFrequency); f *= kLacunarity) {
-        if (ridges_.size() == kMostRidgeOctaves) break;
-        ridges_.push_back(make_octave(f, amplitude));
+    frequency = kRidgeFrequency;
+    while (frequency <= std::max(finest, kRidgeFrequency) && ridges_.size() < kMostRidgeOctaves) {
+        ridges_.push_back(make_octave(frequency, amplitude));
+        frequency *= kLacunarity;
         amplitude *= kRidgeGain;
     }
 }

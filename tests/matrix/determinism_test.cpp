@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::uint64_t kMiB = 1 << 20;
 
-const std::vector<BatchPlan> kPlans{{.smallest = 100'000'000, .largest = 100'000'000},
+const std::vector<BatchPlan> plans_to_try{{.smallest = 100'000'000, .largest = 100'000'000},
                                     {.smallest = 1, .largest = 50},
                                     {.seed = 5, .smallest = 1, .largest = 3000},
                                     {.seed = 6, .smallest = 500, .largest = 500}};
@@ -36,7 +36,7 @@ void expect_one_result(const Mesh& mesh, SimplifyOptions options, bool is_soup,
     ASSERT_FALSE(expected.report.result_hash.empty());
     for (const unsigned n_threads : {1U, 2U, 8U}) {
         for (const std::uint64_t memory : {200 * kMiB, 2048 * kMiB}) {
-            for (BatchPlan plan : kPlans) {
+            for (BatchPlan plan : plans_to_try) {
                 plan.is_soup = is_soup;
                 BatchSource batches(mesh, plan);
                 options.n_threads = n_threads;

@@ -118,8 +118,10 @@ Mesh many_spheres(std::uint64_t k, std::uint64_t n) {
     Mesh mesh;
     const Mesh one = scaled(cube_sphere(n), {0.4, 0.4, 0.4});
     for (std::uint64_t i = 0; i < k * k * k; ++i) {
-        const Vec3 center{static_cast<double>(i % k), static_cast<double>(i / k % k),
-                          static_cast<double>(i / (k * k))};
+        const std::uint64_t row = i / k;
+        const std::uint64_t layer = row / k;
+        const Vec3 center{static_cast<double>(i % k), static_cast<double>(row % k),
+                          static_cast<double>(layer)};
         mesh = joined(std::move(mesh), translated(one, center));
     }
     return mesh;

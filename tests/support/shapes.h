@@ -16,7 +16,8 @@ class Random {
     /// In [0, 1).
     double unit() { return static_cast<double>(next() >> 11) * 0x1p-53; }
     double between(double low, double high) { return low + (high - low) * unit(); }
-    std::uint64_t below(std::uint64_t n) { return next() % n; }
+    /// In 0 .. n - 1; 0 for n == 0.
+    std::uint64_t below(std::uint64_t n) { return n == 0 ? 0 : next() % n; }
 
   private:
     std::uint64_t state_;
