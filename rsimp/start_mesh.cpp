@@ -2,10 +2,12 @@
 #include "rsimp/start_mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
 
+#include "ooc/vec3.h"
 #include "rsimp/clustering.h"
 #include "rsimp/grid_choice.h"
 #include "rsimp/octree_fusion.h"
@@ -188,24 +190,34 @@ CollapseMesh make_collapse_mesh(ooc::Context& context, const Clusters& clusters,
         }
     }
     if (manifold.n_cut_vertices > 0) {
-        ooc::Array<std::array<double, 4>> pull(context.budget(), "fans", n);
+        struct Nudge {
+            Vec3 pull{};  // sum of the vectors to the neighbours
+            double n = 0;
+            Vec3 normal{};  // of the fan, as long as its area
+        };
+        ooc::Array<Nudge> nudges(context.budget(), "fans", n);
         for (const CellTriple& t : mesh.triangles) {
+            std::array<Vec3, 3> p;
+            for (std::size_t i = 0; i < 3; ++i) {
+                p[i] = clusters.positions[manifold.cluster_of_vertex[t[i]]];
+            }
+            const Vec3 normal = cross(p[1] - p[0], p[2] - p[0]);
             for (std::size_t i = 0; i < 3; ++i) {
                 if (n_fans[manifold.cluster_of_vertex[t[i]]] < 2) continue;
-                for (const std::size_t k : {(i + 1) % 3, (i + 2) % 3}) {
-                    for (std::size_t d = 0; d < 3; ++d) {
-                        pull[t[i]][d] += clusters.positions[manifold.cluster_of_vertex[t[k]]][d] -
-                                         clusters.positions[manifold.cluster_of_vertex[t[i]]][d];
-                    }
-                    pull[t[i]][3] += 1;
-                }
+                Nudge& nudge = nudges[t[i]];
+                nudge.pull = nudge.pull + (p[(i + 1) % 3] - p[i]) + (p[(i + 2) % 3] - p[i]);
+                nudge.n += 2;
+                nudge.normal = nudge.normal + normal;
             }
         }
         for (std::uint64_t v = 0; v < n; ++v) {
-            if (pull[v][3] == 0) continue;
-            for (std::size_t d = 0; d < 3; ++d) {
-                mesh.vertices[v].position[d] += kNudge * pull[v][d] / pull[v][3];
-            }
+            const Nudge& nudge = nudges[v];
+            if (nudge.n == 0) continue;
+            Vec3& position = mesh.vertices[v].position;
+            position = position + (kNudge / nudge.n) * nudge.pull;
+            // The two sides of a folded sheet have the same neighbours: outwards they part.
+            const double area = std::sqrt(dot(nudge.normal, nudge.normal));
+            if (area > 0) position = position + (kNudge / 4 / std::sqrt(area)) * nudge.normal;
         }
     }
     return mesh;
