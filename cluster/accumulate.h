@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "cluster/cell_record.h"
 #include "cluster/cell_table.h"
 #include "cluster/lattice.h"
 #include "cluster/uniform_grid.h"
@@ -16,9 +17,6 @@
 #include "ooc/context.h"
 
 namespace hewer::cluster {
-
-/// Slots (later: ids) of three different cells, wound as the triangle was.
-using CellTriple = std::array<std::uint32_t, 3>;
 
 /// A list that grows by pieces and never moves. Memory: 12 bytes a triple.
 class TripleList {

@@ -37,6 +37,8 @@ class Context {
     MemoryBudget& budget() { return budget_; }
     Workers& workers() { return *workers_; }
     [[nodiscard]] unsigned n_threads() const { return n_threads_; }
+    /// Of the spools of this run. Changes nothing but speed.
+    [[nodiscard]] std::uint64_t page_bytes() const { return page_bytes_; }
 
     /// Throws Cancelled if the caller asked for an end.
     void check_stop() const;
@@ -56,6 +58,7 @@ class Context {
 
     Hooks hooks_;
     unsigned n_threads_;
+    std::uint64_t page_bytes_ = 1 << 20;
     MemoryBudget budget_;
     std::unique_ptr<Workers> workers_;
     std::vector<StageWeight> stages_;

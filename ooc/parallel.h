@@ -5,9 +5,12 @@
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
 #include <cstdint>
+#include <memory>
+#include <utility>
 
 namespace hewer::ooc {
 
@@ -33,6 +36,44 @@ class Workers {
                 tbb::blocked_range<std::uint64_t>(0, n, grain),
                 [&](const tbb::blocked_range<std::uint64_t>& r) { body(r.begin(), r.end()); },
                 tbb::simple_partitioner());
+        });
+    }
+
+    /// result = work(i) for i in [0, n) on all threads, at most `most_alive` results at once; then
+    /// commit(i, result) one after the other, in order.
+    template <typename Work, typename Commit>
+    void in_order(std::uint64_t n, std::size_t most_alive, const Work& work, const Commit& commit) {
+        if (n_threads_ == 1 || most_alive <= 1) {
+            for (std::uint64_t i = 0; i < n; ++i) {
+                auto result = work(i);
+                commit(i, result);
+            }
+            return;
+        }
+        using Result = decltype(work(std::uint64_t{0}));
+        struct Item {
+            std::uint64_t i;
+            std::unique_ptr<Result> result;
+        };
+        std::uint64_t next = 0;
+        arena_.execute([&] {
+            tbb::parallel_pipeline(
+                most_alive,
+                tbb::make_filter<void, std::uint64_t>(tbb::filter_mode::serial_in_order,
+                                                      [&](tbb::flow_control& control) {
+                                                          if (next == n) control.stop();
+                                                          return next++;
+                                                      }) &
+                    tbb::make_filter<std::uint64_t, std::shared_ptr<Item>>(
+                        tbb::filter_mode::parallel,
+                        [&](std::uint64_t i) {
+                            return std::make_shared<Item>(
+                                Item{i, std::make_unique<Result>(work(i))});
+                        }) &
+                    tbb::make_filter<std::shared_ptr<Item>, void>(
+                        tbb::filter_mode::serial_in_order, [&](const std::shared_ptr<Item>& item) {
+                            commit(item->i, *item->result);
+                        }));
         });
     }
 

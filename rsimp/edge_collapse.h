@@ -3,7 +3,6 @@
 /// the clusters carry from the original surface (Garland & Shaffer 2002), on all workers.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -14,17 +13,10 @@
 #include "cluster/quadric.h"
 #include "ooc/array.h"
 #include "ooc/context.h"
+#include "rsimp/cluster_mesh.h"
 #include "rsimp/manifold.h"
 
 namespace hewer::rsimp {
-
-/// A vertex and what it stands for; two cache lines. Lengths in cells.
-struct CollapseVertex {
-    Vec3 position;
-    cluster::Quadric quadric;  ///< all relative to one origin
-    std::array<float, 6> box;  ///< low and high of the cells that it stands for
-};
-static_assert(sizeof(CollapseVertex) == 128);
 
 /// A manifold mesh on its way down.
 struct CollapseMesh {
