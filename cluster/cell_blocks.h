@@ -11,6 +11,7 @@
 #include "cluster/lattice.h"
 #include "cluster/uniform_grid.h"
 #include "ooc/spool.h"
+#include "ooc/vec3.h"
 
 namespace hewer::cluster {
 

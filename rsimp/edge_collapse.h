@@ -1,83 +1,57 @@
 // SPDX-License-Identifier: MIT
-/// The finishing edge collapse: from the refined clusters to the exact target, on the quadrics that
-/// the clusters carry from the original surface (Garland & Shaffer 2002), on all workers.
+/// Edge collapse in one block, on the quadrics that the clusters carry from the original surface
+/// (Garland & Heckbert 1997; Garland & Shaffer 2002).
 #pragma once
 
 #include <cstdint>
-#include <functional>
+#include <limits>
 #include <optional>
-#include <span>
 #include <vector>
 
-#include "cluster/cell_store.h"
-#include "cluster/quadric.h"
-#include "ooc/array.h"
-#include "ooc/context.h"
-#include "rsimp/cluster_mesh.h"
-#include "rsimp/manifold.h"
+#include "rsimp/block_mesh.h"
+#include "rsimp/indexed_heap.h"
 
 namespace hewer::rsimp {
 
-/// A manifold mesh on its way down.
-struct CollapseMesh {
-    ooc::Array<CellTriple> triangles;
-    ooc::Array<CollapseVertex> vertices;
-    ooc::Array<cluster::CellAttributes> attributes;  ///< summed; may be empty
+/// One collapse: `gone` becomes `kept`, which moves to `position`.
+struct CollapseStep {
+    Vec3 position;
+    std::uint32_t kept;
+    std::uint32_t gone;
+    float key;              ///< the largest cost so far: never falls from step to step
+    std::uint32_t n_faces;  ///< that vanish: 2, at a border 1
+};
+static_assert(sizeof(CollapseStep) == 40);
+
+/// Where a run of collapses ends; whichever comes first. Counts are from the first run on.
+struct CollapseLimit {
+    float most_key = std::numeric_limits<float>::infinity();
+    std::uint64_t most_faces = std::numeric_limits<std::uint64_t>::max();     ///< that vanish
+    std::uint64_t most_vertices = std::numeric_limits<std::uint64_t>::max();  ///< that vanish
 };
 
-/// Two vertices as one, where the quadrics of both want it, without regard to the faces around
-/// them.
-struct MergedVertex {
-    CollapseVertex vertex;
-    double cost = 0;
-};
-MergedVertex merge(const CollapseVertex& u, const CollapseVertex& v);
-
-/// Where to stop; whichever comes first.
-struct CollapseTarget {
-    std::uint64_t most_triangles = 0;
-    std::uint64_t most_vertices = 0;
-    /// No vertex may end farther than this from any corner of its box, in cells.
-    std::optional<double> most_displacement;
-};
-
-/// Greedy by quadric error, in rounds instead of from a queue. In a round every vertex proposes its
-/// best edge; the proposals among the cheapest part of all that are the best within their
-/// neighbourhood are carried out at once. They do not touch each other, so the order and the number
-/// of threads change nothing. Costs are brought up to date between rounds around what has changed.
+/// Greedy, cheapest edge first. Every vertex has its cheapest edge to a larger neighbour in a
+/// queue, by the quadrics alone; whether an edge can be collapsed, and what a bad shape adds to its
+/// cost, is asked when it comes up. Both ends must be free (VertexFlags).
 ///
 /// An edge is collapsed only if that keeps the mesh manifold and its type (link condition), and
-/// turns no face over. A border stays a border. Memory: 169 bytes a vertex and 24 a triangle, the
-/// mesh included.
+/// turns no face by more than 78 degrees. A border stays a border. With `most_displacement`, no
+/// vertex ends farther than that from any corner of its box, in cells.
+///
+/// The mesh given stays as it is; what was done is in steps(). A run that goes on makes the same
+/// steps as one that went through at once. One thread. Memory: bytes_for().
 class EdgeCollapse {
   public:
-    EdgeCollapse(ooc::Context& context, CollapseMesh mesh);
+    EdgeCollapse(const BlockMesh& mesh, std::optional<double> most_displacement);
 
-    /// Collapses until a target is met or no edge can be collapsed. Targets of later calls must be
-    /// smaller. Returns the number of collapses.
-    std::uint64_t run(const CollapseTarget& target);
+    void run(const CollapseLimit& limit);
 
-    [[nodiscard]] bool is_met(const CollapseTarget& target) const {
-        return n_triangles_ <= target.most_triangles && n_vertices_ <= target.most_vertices;
-    }
-    /// How many collapses of inner edges the target is away.
-    [[nodiscard]] std::uint64_t n_needed(const CollapseTarget& target) const;
-    /// The same, if nothing hinders them. 0 with an error bound: nobody knows.
-    [[nodiscard]] std::uint64_t n_expected(const CollapseTarget& target) const;
+    [[nodiscard]] const std::vector<CollapseStep>& steps() const { return steps_; }
+    /// No edge is left that could be collapsed.
+    [[nodiscard]] bool is_finished() const { return queue_.empty(); }
 
-    /// Removes whole closed or open components, smallest box first, until the target is met, when
-    /// collapsing can go no further. At least one component stays. Returns how many went.
-    std::uint64_t drop_components(const CollapseTarget& target);
-
-    [[nodiscard]] std::uint64_t n_triangles() const { return n_triangles_; }
-    [[nodiscard]] std::uint64_t n_vertices() const { return n_vertices_; }
-
-    [[nodiscard]] bool is_live(std::uint32_t vertex) const { return parent_[vertex] == vertex; }
-    /// The live vertex that stands for `vertex` now; kNoIndex if its component was dropped.
-    [[nodiscard]] std::uint32_t representative(std::uint32_t vertex) const;
-    [[nodiscard]] const CollapseMesh& mesh() const { return mesh_; }
-    [[nodiscard]] bool is_live_triangle(std::uint64_t t) const {
-        return mesh_.triangles[t][0] != kNoIndex;
+    static constexpr std::uint64_t bytes_for(std::uint64_t n_vertices, std::uint64_t n_faces) {
+        return n_vertices * (128 + 4 + 8 + 8 + 20 + 40) + n_faces * (12 + 12);
     }
 
   private:
@@ -86,54 +60,56 @@ class EdgeCollapse {
         float cost;
         std::uint32_t partner;
     };
-    /// A neighbourhood is small: gathered into reused vectors.
-    struct Scratch;
-
     struct Placement {
         Vec3 position;
         double cost;
+    };
+    /// A neighbourhood is small: gathered into reused vectors.
+    struct Scratch {
+        std::vector<std::uint32_t> faces_u;
+        std::vector<std::uint32_t> faces_v;
+        std::vector<std::uint32_t> around_u;  // neighbours: inner ones twice, border ones once
+        std::vector<std::uint32_t> around_v;
+        std::vector<std::uint32_t> opposite;  // third corners of the faces at the edge
+        std::vector<std::uint32_t> larger;
+        std::vector<std::uint32_t> faces_w;
+        std::vector<std::uint32_t> around_w;
+        std::vector<std::pair<double, std::uint32_t>> edges;
+        std::vector<std::uint32_t> ring;
     };
 
     void build_corner_lists();
     void prune(std::uint32_t vertex);
     void gather_ring(std::uint32_t vertex, std::vector<std::uint32_t>& faces) const;
-    void gather_edge(std::uint32_t u, std::uint32_t v, Scratch& scratch) const;
-    void gather_larger_neighbours(std::uint32_t u, Scratch& scratch) const;
-    void propose(std::uint32_t u, Scratch& scratch);
-    void review(std::uint32_t u, Scratch& scratch);
-    void check(std::uint32_t u, Scratch& scratch);
+    void gather_edge(std::uint32_t u, std::uint32_t v);
+    void gather_larger_neighbours(std::uint32_t u);
+    void queue(std::uint32_t u, const Proposal& proposal);
+    void propose(std::uint32_t u);
+    void review(std::uint32_t u, std::uint32_t moved);
+    void check(std::uint32_t u);
     [[nodiscard]] bool is_checked(std::uint32_t u) const {
         return checked_[u] > changed_[u] && checked_[u] > changed_[proposals_[u].partner];
     }
-    [[nodiscard]] std::optional<Placement> place(std::uint32_t u, std::uint32_t v,
-                                                 const Scratch& scratch) const;
-    [[nodiscard]] bool keeps_type(std::uint32_t v, Scratch& scratch) const;
-    [[nodiscard]] double shape_penalty(std::uint32_t u, std::uint32_t v, const Vec3& x,
-                                       const Scratch& scratch) const;
-    void collapse(std::uint32_t u, std::uint32_t v, Scratch& scratch);
-    void refresh_proposals();
-    [[nodiscard]] std::uint64_t cost_bound(std::uint64_t needed) const;
-    void claim_neighbourhoods(std::uint64_t bound);
-    [[nodiscard]] std::vector<std::uint64_t> find_winners(std::uint64_t bound) const;
-    std::uint64_t carry_out(const std::vector<std::uint64_t>& winners, std::uint64_t most);
-    std::uint64_t round(const CollapseTarget& target);
+    [[nodiscard]] std::optional<Placement> place(std::uint32_t u, std::uint32_t v) const;
+    [[nodiscard]] bool keeps_type(std::uint32_t v);
+    [[nodiscard]] double shape_penalty(std::uint32_t u, std::uint32_t v, const Vec3& x) const;
+    void collapse(std::uint32_t u, std::uint32_t v);
 
-    ooc::Context& context_;
-    CollapseMesh mesh_;
-    std::uint64_t n_triangles_ = 0;
-    std::uint64_t n_vertices_ = 0;
     std::optional<double> most_displacement_;
-    std::uint32_t round_ = 0;
-    ooc::Array<std::uint32_t> next_corner_;   // circular list of the corners of each vertex
-    ooc::Array<std::uint32_t> first_corner_;  // any corner of the vertex
-    ooc::Array<std::uint32_t> parent_;        // itself while live
-    ooc::Array<Proposal> proposals_;
-    ooc::Array<std::uint64_t> claims_;
-    ooc::Array<std::uint32_t> changed_;  // round in which the faces around a vertex changed last
-    ooc::Array<std::uint32_t> checked_;  // round in which its proposal was found possible
-    ooc::Array<std::uint8_t> marks_;     // kStale, kReview, kTouched, kMoved
-    ooc::Array<std::uint32_t> live_;
-    std::uint64_t n_live_ = 0;
+    std::vector<CollapseVertex> vertices_;
+    std::vector<bool> is_free_;
+    std::vector<LocalFace> faces_;
+    std::vector<std::uint32_t> next_corner_;   // circular list of the corners of each vertex
+    std::vector<std::uint32_t> first_corner_;  // any corner of the vertex, kNoIndex if it has none
+    std::vector<Proposal> proposals_;
+    std::vector<std::uint32_t> changed_;  // when the faces around a vertex changed last
+    std::vector<std::uint32_t> checked_;  // when its proposal was found possible
+    std::uint32_t clock_ = 0;
+    IndexedHeap queue_;
+    std::vector<CollapseStep> steps_;
+    std::uint64_t n_faces_gone_ = 0;
+    float key_ = 0;
+    Scratch scratch_;
 };
 
 }  // namespace hewer::rsimp

@@ -55,14 +55,4 @@ EdgeQuadric::EdgeQuadric(const CollapseVertex& u, const CollapseVertex& v) : qua
     length_cost = kLengthCost * (wu + wv) * dot(edge, edge);
 }
 
-MergedVertex merge(const CollapseVertex& u, const CollapseVertex& v) {
-    const EdgeQuadric edge(u, v);
-    MergedVertex merged{{edge.optimum, edge.quadric, u.box}, edge.cost(edge.optimum)};
-    for (std::size_t i = 0; i < 3; ++i) {
-        merged.vertex.box[i] = std::min(u.box[i], v.box[i]);
-        merged.vertex.box[3 + i] = std::max(u.box[3 + i], v.box[3 + i]);
-    }
-    return merged;
-}
-
 }  // namespace hewer::rsimp

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "rsimp/edge_collapse.h"
+#include "rsimp/cluster_mesh.h"
 
 namespace hewer::rsimp {
 

@@ -7,10 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "cluster/accumulate.h"
-#include "ooc/array.h"
-#include "ooc/context.h"
-#include "ooc/parallel.h"
+#include "rsimp/block_mesh.h"
 
 namespace hewer::rsimp {
 
@@ -20,39 +17,53 @@ struct HalfEdge {
     std::uint32_t id;     ///< 3 * face + corner; forward if it starts at the smaller vertex
 };
 
-/// Calls visit(smaller vertex, group) for each edge, in parallel for different smaller vertices; a
-/// group holds the half-edges of one edge, in order of their ids. Memory: 24 bytes a triangle and 8
-/// a vertex, while it runs. Precondition: 3 * triangles < 2^32.
+/// Calls visit(smaller vertex, group) for each edge, in rising order of the smaller, then of the
+/// larger vertex; a group holds the half-edges of one edge, in order of their ids. Memory: 24 bytes
+/// a triangle and 4 a vertex, while it runs. Precondition: 3 * triangles < 2^32.
 template <typename Visit>
-void for_each_edge(ooc::Context& context, std::span<const cluster::CellTriple> triangles,
-                   std::uint64_t n_vertices, const Visit& visit) {
-    ooc::Array<std::uint64_t> start(context.budget(), "edge index", n_vertices + 2);
+void for_each_edge(std::span<const LocalFace> triangles, std::size_t n_vertices,
+                   const Visit& visit) {
+    std::vector<std::uint32_t> start(n_vertices + 2);
     for (const auto& t : triangles) {
         for (std::size_t i = 0; i < 3; ++i) ++start[std::min(t[i], t[(i + 1) % 3]) + 2];
     }
-    for (std::uint64_t v = 2; v < start.size(); ++v) start[v] += start[v - 1];
-    ooc::Array<HalfEdge> edges(context.budget(), "edges", 3 * triangles.size());
-    for (std::uint64_t f = 0; f < triangles.size(); ++f) {
+    for (std::size_t v = 2; v < start.size(); ++v) start[v] += start[v - 1];
+    std::vector<HalfEdge> edges(3 * triangles.size());
+    for (std::size_t f = 0; f < triangles.size(); ++f) {
         const auto& t = triangles[f];
         for (std::size_t i = 0; i < 3; ++i) {
             const auto [low, high] = std::minmax(t[i], t[(i + 1) % 3]);
             edges[start[low + 1]++] = {high, static_cast<std::uint32_t>(3 * f + i)};
         }
     }
-    context.workers().for_ranges(n_vertices, 1 << 13, [&](std::uint64_t begin, std::uint64_t end) {
-        for (std::uint64_t v = begin; v < end; ++v) {
-            const std::span<HalfEdge> all(edges.data() + start[v], edges.data() + start[v + 1]);
-            std::sort(all.begin(), all.end(), [](const HalfEdge& a, const HalfEdge& b) {
-                return a.other != b.other ? a.other < b.other : a.id < b.id;
-            });
-            for (std::size_t i = 0; i < all.size();) {
-                std::size_t j = i + 1;
-                while (j < all.size() && all[j].other == all[i].other) ++j;
-                visit(static_cast<std::uint32_t>(v), all.subspan(i, j - i));
-                i = j;
-            }
+    for (std::uint32_t v = 0; v < n_vertices; ++v) {
+        const std::span<HalfEdge> all(edges.data() + start[v], edges.data() + start[v + 1]);
+        std::sort(all.begin(), all.end(), [](const HalfEdge& a, const HalfEdge& b) {
+            return a.other != b.other ? a.other < b.other : a.id < b.id;
+        });
+        for (std::size_t i = 0; i < all.size();) {
+            std::size_t j = i + 1;
+            while (j < all.size() && all[j].other == all[i].other) ++j;
+            visit(v, all.subspan(i, j - i));
+            i = j;
         }
+    }
+}
+
+/// Edge counts of any indexed mesh.
+struct EdgeCounts {
+    std::uint64_t edges = 0;
+    std::uint64_t border = 0;
+    std::uint64_t nonmanifold = 0;
+};
+inline EdgeCounts count_edges(std::span<const LocalFace> triangles, std::size_t n_vertices) {
+    EdgeCounts counts;
+    for_each_edge(triangles, n_vertices, [&](std::uint32_t, std::span<const HalfEdge> group) {
+        ++counts.edges;
+        if (group.size() == 1) ++counts.border;
+        if (group.size() > 2) ++counts.nonmanifold;
     });
+    return counts;
 }
 
 }  // namespace hewer::rsimp

@@ -1,57 +1,36 @@
 // SPDX-License-Identifier: MIT
-/// From triples of clusters to a manifold triangle mesh: duplicates settled, sheets that merely
-/// touch taken apart.
+/// From clusters and the faces between them to a manifold: sheets that merely touch are taken
+/// apart.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <span>
 
-#include "cluster/accumulate.h"
-#include "ooc/array.h"
-#include "ooc/context.h"
+#include "rsimp/block_mesh.h"
 
 namespace hewer::rsimp {
 
-using cluster::CellTriple;
-
-inline constexpr std::uint32_t kNoIndex = 0xffffffffU;
-
-/// A triangle mesh in which every edge has one or two faces and the faces around every vertex form
-/// one fan.
-struct ManifoldMesh {
-    ooc::Array<CellTriple> triangles;             ///< vertex ids; no repeated, no duplicate face
-    ooc::Array<std::uint32_t> cluster_of_vertex;  ///< several vertices may share a cluster
-    std::uint64_t n_cancelled = 0;  ///< faces dropped: opposites and, where not closed, duplicates
-    std::uint64_t n_bubble_faces = 0;  ///< faces of bubbles that folding had pinched off
-    std::uint64_t n_cut_vertices = 0;  ///< clusters that became more than one vertex
+struct ManifoldCounts {
+    std::uint64_t cancelled_faces = 0;  ///< settled by settle_duplicates()
+    std::uint64_t bubble_faces = 0;     ///< of bubbles that folding had pinched off
+    std::uint64_t cut_vertices = 0;     ///< clusters that became more than one vertex
+    std::uint64_t lost_cells = 0;       ///< of clusters of which no face is left
 };
 
-/// Merging vertices of a surface folds parts of it onto each other. As integer chains (each face
-/// with its winding as sign) the boundary of a closed surface stays zero under merging, so:
-///  - copies of a face cancel against its opposites; this opens nothing. As many of each: one pair
-///  stays,
-///    as a sheet folded onto itself, so that thin parts do not vanish. Equally wound copies that
-///    are left over all stay if `is_closed` (each is part of some closed sheet), else only one: the
-///    rest is dirt;
-///  - an edge with more than two faces is where sheets touch: its faces are paired, forward with
-///    backward, the flattest pairs first, and a vertex is made for every fan of faces that is then
-///    left around a cluster. So no edge is opened and no edge keeps more than two faces;
-///  - small closed components that share a cluster with a larger one are dropped.
+/// Makes vertices of the raw clusters whose faces are all here (kRaw without kFrozen); the others
+/// stay as they are and get their turn in a later block. Afterwards every edge at a free vertex has
+/// one or two faces, and the faces around it form one fan.
 ///
-/// `triples` are cluster ids; those with repeated ids are skipped. `positions` (by cluster) decide
-/// which pairs are flat. Equal input sets give equal output, whatever their order. Memory: 60 bytes
-/// a triangle on the way.
-ManifoldMesh build_manifold(ooc::Context& context, std::span<const CellTriple> triples,
-                            std::span<const Vec3> positions, bool is_closed);
-
-/// Edge counts of any indexed mesh.
-struct EdgeCounts {
-    std::uint64_t edges = 0;
-    std::uint64_t border = 0;
-    std::uint64_t nonmanifold = 0;
-};
-EdgeCounts count_edges(ooc::Context& context, std::span<const CellTriple> triangles,
-                       std::uint64_t n_vertices);
+///  - Duplicate faces are settled (rsimp/duplicate_faces.h).
+///  - An edge with more than two faces is where sheets touch: its faces are paired, forward with
+///    backward, the flattest pairs first, and a vertex is made for every fan of faces that is then
+///    left around a cluster. So no edge is opened and no edge keeps more than two faces. The fans
+///    share the cluster's quadric and step a little apart, towards their own neighbours.
+///  - Small closed components that share a cluster with a larger one (bubbles) are dropped.
+///
+/// A vertex that cannot be told apart because its neighbour is frozen is frozen too. The order of
+/// the faces given does not matter. Memory: about 100 bytes a face on the way.
+///
+/// `next_fan`: as in add_fan_vertices(); for clusters that were fans themselves once.
+ManifoldCounts make_manifold(BlockMesh& mesh, bool is_closed, std::uint64_t* next_fan = nullptr);
 
 }  // namespace hewer::rsimp

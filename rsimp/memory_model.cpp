@@ -7,8 +7,8 @@
 #include "cluster/cell_store.h"
 #include "cluster/cell_sums.h"
 #include "ooc/memory_budget.h"
+#include "rsimp/cluster_mesh.h"
 #include "rsimp/cluster_tree.h"
-#include "rsimp/edge_collapse.h"
 
 namespace hewer::rsimp {
 

@@ -2,92 +2,184 @@
 #include "rsimp/topology_change.h"
 
 #include <algorithm>
-#include <vector>
+#include <array>
+#include <numeric>
 
-#include "rsimp/start_mesh.h"
+#include "rsimp/edge_quadric.h"
+#include "rsimp/manifold.h"
+#include "rsimp/mesh_merge.h"
 
 namespace hewer::rsimp {
 
-MergedMesh merge_regardless(ooc::Context& context, const EdgeCollapse& collapse,
-                            std::uint64_t n_merges, bool is_closed) {
+namespace {
+
+std::uint64_t excess(std::uint64_t have, std::uint64_t most) {
+    return have > most ? have - most : 0;
+}
+
+/// Each vertex's partner, kNoIndex for those that stay alone: the cheapest edges first.
+std::vector<std::uint32_t> pair_vertices(const BlockMesh& mesh, std::uint64_t n_pairs) {
     struct Candidate {
         double cost;
         std::uint32_t u;
         std::uint32_t v;
     };
-    const CollapseMesh& old = collapse.mesh();
-    const std::uint64_t n_old = old.vertices.size();
     std::vector<Candidate> candidates;
-    for (std::uint64_t t = 0; t < old.triangles.size(); ++t) {
-        if (!collapse.is_live_triangle(t)) continue;
+    for (const LocalFace& t : mesh.faces) {
         for (std::size_t i = 0; i < 3; ++i) {
-            const auto [u, v] = std::minmax(old.triangles[t][i], old.triangles[t][(i + 1) % 3]);
-            candidates.push_back({merge(old.vertices[u], old.vertices[v]).cost, u, v});
+            const auto [u, v] = std::minmax(t[i], t[(i + 1) % 3]);
+            const EdgeQuadric edge(mesh.vertices[u].vertex, mesh.vertices[v].vertex);
+            candidates.push_back({edge.cost(edge.optimum), u, v});
         }
     }
     std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
         if (a.cost != b.cost) return a.cost < b.cost;
         return a.u != b.u ? a.u < b.u : a.v < b.v;
     });
-    std::vector<std::uint32_t> partner(n_old, kNoIndex);
+    std::vector<std::uint32_t> partner(mesh.vertices.size(), kNoIndex);
     for (const Candidate& c : candidates) {
-        if (n_merges == 0) break;
+        if (n_pairs == 0) break;
         if (partner[c.u] != kNoIndex || partner[c.v] != kNoIndex) continue;
         partner[c.u] = c.v;
         partner[c.v] = c.u;
-        --n_merges;
+        --n_pairs;
     }
+    return partner;
+}
 
-    MergedMesh merged;
-    merged.class_of_old_vertex = {context.budget(), "merged vertices", n_old};
-    std::fill(merged.class_of_old_vertex.begin(), merged.class_of_old_vertex.end(), kNoIndex);
-    std::uint32_t n = 0;
-    for (std::uint32_t v = 0; v < n_old; ++v) {
-        if (!collapse.is_live(v)) continue;
-        const bool is_second = partner[v] != kNoIndex && partner[v] < v;
-        merged.class_of_old_vertex[v] = is_second ? merged.class_of_old_vertex[partner[v]] : n++;
-    }
-    merged.n_classes = n;
-    Clusters classes;
-    classes.n_clusters = n;
-    classes.positions = {context.budget(), "merged vertices", n};
-    classes.quadrics = {context.budget(), "merged vertices", n};
-    classes.boxes = {context.budget(), "merged vertices", n};
-    if (!old.attributes.empty()) classes.attributes = {context.budget(), "merged attributes", n};
-    for (std::uint32_t v = 0; v < n_old; ++v) {
-        if (!collapse.is_live(v)) continue;
-        const std::uint32_t c = merged.class_of_old_vertex[v];
-        if (!old.attributes.empty()) classes.attributes[c] += old.attributes[v];
-        if (partner[v] != kNoIndex && partner[v] < v) continue;
-        const CollapseVertex vertex = partner[v] == kNoIndex
-                                          ? old.vertices[v]
-                                          : merge(old.vertices[v], old.vertices[partner[v]]).vertex;
-        classes.positions[c] = vertex.position;
-        classes.quadrics[c] = vertex.quadric;
-        classes.boxes[c] = vertex.box;
-    }
-    ooc::Array<CellTriple> triples(context.budget(), "merged triangles", collapse.n_triangles());
-    std::uint64_t at = 0;
-    for (std::uint64_t t = 0; t < old.triangles.size(); ++t) {
-        if (!collapse.is_live_triangle(t)) continue;
-        for (std::size_t i = 0; i < 3; ++i) {
-            triples[at][i] = merged.class_of_old_vertex[old.triangles[t][i]];
+}  // namespace
+
+WholeMesh::WholeMesh(ooc::Context& context, const MeshStore& store)
+    : context_(context),
+      bytes_(
+          context.budget().reserve("the whole mesh, to change its topology",
+                                   2 * (store.vertices.size() * sizeof(StoredVertex) +
+                                        store.attributes.size() * sizeof(cluster::CellAttributes) +
+                                        store.faces.size() * sizeof(LocalFace)))),
+      origin_(store.origin) {
+    mesh_.vertices.resize(store.vertices.size());
+    store.vertices.read(0, mesh_.vertices);
+    mesh_.attributes.resize(store.attributes.size());
+    if (!mesh_.attributes.empty()) store.attributes.read(0, mesh_.attributes);
+    mesh_.faces.reserve(store.faces.size());
+    ooc::SpoolReader<Face> faces(store.faces);
+    while (const Face* face = faces.next()) mesh_.faces.push_back(local_face(mesh_, *face));
+}
+
+MeshStore WholeMesh::store() const {
+    MeshStore store = make_mesh_store(context_, origin_, !mesh_.attributes.empty());
+    append_core(store, mesh_);
+    return store;
+}
+
+std::uint64_t WholeMesh::drop_components(const CollapseTarget& target) {
+    std::vector<std::uint32_t> label(mesh_.vertices.size());
+    std::iota(label.begin(), label.end(), 0U);
+    const auto find = [&](std::uint32_t v) {
+        while (label[v] != v) v = label[v] = label[label[v]];
+        return v;
+    };
+    for (const LocalFace& t : mesh_.faces) {
+        for (std::size_t i = 1; i < 3; ++i) {
+            const std::uint32_t a = find(t[0]);
+            const std::uint32_t b = find(t[i]);
+            label[std::max(a, b)] = std::min(a, b);
         }
-        ++at;
     }
-    // Vertices that had collapsed go where their representative goes.
-    for (std::uint32_t v = 0; v < n_old; ++v) {
-        const std::uint32_t now = collapse.representative(v);
-        if (now != kNoIndex) merged.class_of_old_vertex[v] = merged.class_of_old_vertex[now];
+    struct Component {
+        double size_sq = 0;
+        std::uint32_t label = 0;
+        std::uint64_t n_triangles = 0;
+        std::uint64_t n_vertices = 0;
+        std::array<float, 6> box{};
+    };
+    std::vector<Component> components;
+    std::vector<std::uint32_t> index(label.size(), kNoIndex);
+    for (std::uint32_t v = 0; v < label.size(); ++v) {
+        const std::array<float, 6>& box = mesh_.vertices[v].vertex.box;
+        std::uint32_t& at = index[find(v)];
+        if (at == kNoIndex) {
+            at = static_cast<std::uint32_t>(components.size());
+            components.push_back({0, find(v), 0, 0, box});
+        }
+        Component& c = components[at];
+        ++c.n_vertices;
+        for (std::size_t k = 0; k < 3; ++k) {
+            c.box[k] = std::min(c.box[k], box[k]);
+            c.box[3 + k] = std::max(c.box[3 + k], box[3 + k]);
+        }
     }
-    ManifoldMesh manifold =
-        build_manifold(context, triples.span(), classes.positions.span(), is_closed);
-    merged.class_of_vertex = {context.budget(), "merged vertices",
-                              manifold.cluster_of_vertex.size()};
-    std::copy(manifold.cluster_of_vertex.begin(), manifold.cluster_of_vertex.end(),
-              merged.class_of_vertex.begin());
-    merged.mesh = make_collapse_mesh(context, classes, manifold);
-    return merged;
+    for (const LocalFace& t : mesh_.faces) ++components[index[find(t[0])]].n_triangles;
+    for (Component& c : components) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double d = static_cast<double>(c.box[3 + k]) - static_cast<double>(c.box[k]);
+            c.size_sq += d * d;
+        }
+    }
+    std::sort(components.begin(), components.end(), [](const Component& a, const Component& b) {
+        return a.size_sq != b.size_sq ? a.size_sq < b.size_sq : a.label < b.label;
+    });
+    std::uint64_t n_triangles = mesh_.faces.size();
+    std::uint64_t n_vertices = mesh_.vertices.size();
+    std::vector<bool> is_dropped(label.size());
+    for (std::size_t i = 0; i + 1 < components.size() && (n_triangles > target.most_triangles ||
+                                                          n_vertices > target.most_vertices);
+         ++i) {
+        is_dropped[components[i].label] = true;
+        n_triangles -= components[i].n_triangles;
+        n_vertices -= components[i].n_vertices;
+    }
+    std::uint64_t lost_cells = 0;
+    std::vector<bool> is_kept(label.size());
+    for (std::uint32_t v = 0; v < label.size(); ++v) {
+        is_kept[v] = !is_dropped[find(v)];
+        if (!is_kept[v]) lost_cells += mesh_.vertices[v].n_cells;
+    }
+    std::erase_if(mesh_.faces, [&](const LocalFace& t) { return !is_kept[t[0]]; });
+    keep_vertices(mesh_, is_kept);
+    return lost_cells;
+}
+
+bool WholeMesh::merge_regardless(const CollapseTarget& target, bool is_closed,
+                                 std::vector<std::pair<VertexId, VertexId>>& merges) {
+    // An inner edge takes two triangles with it.
+    const std::uint64_t n_missing =
+        std::max((excess(mesh_.faces.size(), target.most_triangles) + 1) / 2,
+                 excess(mesh_.vertices.size(), target.most_vertices));
+    const std::vector<std::uint32_t> partner =
+        pair_vertices(mesh_, std::max<std::uint64_t>(1, n_missing / 2));
+    BlockMesh merged = mesh_;
+    std::vector<bool> is_kept(merged.vertices.size(), true);
+    std::vector<std::pair<VertexId, VertexId>> gone;
+    for (std::uint32_t u = 0; u < partner.size(); ++u) {
+        StoredVertex& kept = merged.vertices[u];
+        kept.flags = VertexFlags::kRaw;
+        const std::uint32_t v = partner[u];
+        if (v == kNoIndex || v < u) continue;
+        const StoredVertex& other = merged.vertices[v];
+        const EdgeQuadric edge(kept.vertex, other.vertex);
+        kept.vertex.position = edge.optimum;
+        kept.vertex.quadric = edge.quadric;
+        for (std::size_t i = 0; i < 3; ++i) {
+            kept.vertex.box[i] = std::min(kept.vertex.box[i], other.vertex.box[i]);
+            kept.vertex.box[3 + i] = std::max(kept.vertex.box[3 + i], other.vertex.box[3 + i]);
+        }
+        kept.n_cells += other.n_cells;
+        if (!merged.attributes.empty()) merged.attributes[u] += merged.attributes[v];
+        is_kept[v] = false;
+        gone.emplace_back(other.id, kept.id);
+    }
+    for (LocalFace& t : merged.faces) {
+        for (std::uint32_t& v : t) {
+            if (partner[v] != kNoIndex && partner[v] < v) v = partner[v];
+        }
+    }
+    keep_vertices(merged, is_kept);
+    make_manifold(merged, is_closed, &next_fan_);
+    if (merged.faces.empty()) return false;
+    mesh_ = std::move(merged);
+    merges.insert(merges.end(), gone.begin(), gone.end());
+    return true;
 }
 
 }  // namespace hewer::rsimp

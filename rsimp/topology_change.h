@@ -1,27 +1,46 @@
 // SPDX-License-Identifier: MIT
-/// Below what its topology allows: merging vertices regardless of handles and components.
+/// Below what its topology allows: what goes when edges can collapse no further. Whole meshes in
+/// memory; those are small.
 #pragma once
 
 #include <cstdint>
+#include <utility>
+#include <vector>
 
-#include "ooc/array.h"
 #include "ooc/context.h"
-#include "rsimp/edge_collapse.h"
+#include "rsimp/block_mesh.h"
+#include "rsimp/finish.h"
 
 namespace hewer::rsimp {
 
-struct MergedMesh {
-    CollapseMesh mesh;
-    ooc::Array<std::uint32_t> class_of_vertex;  ///< of `mesh`; several vertices may share a class
-    ooc::Array<std::uint32_t> class_of_old_vertex;  ///< kNoIndex: its component had been dropped
-    std::uint64_t n_classes = 0;
-};
+/// The mesh in memory, which must have room for it: 144 bytes a vertex and 12 a face.
+class WholeMesh {
+  public:
+    WholeMesh(ooc::Context& context, const MeshStore& store);
 
-/// Merges the ends of the cheapest edges, each vertex at most once and at most `n_merges` pairs,
-/// without asking for the type of the surface, and makes what is left manifold again
-/// (build_manifold): handles close and thin parts vanish, but nothing is opened. For targets that a
-/// collapse cannot reach. Memory: as build_manifold() and a new CollapseMesh.
-MergedMesh merge_regardless(ooc::Context& context, const EdgeCollapse& collapse,
-                            std::uint64_t n_merges, bool is_closed);
+    /// Removes whole components, smallest box first, until the target is met. At least one
+    /// component stays. Returns the number of grid cells that they stood for.
+    std::uint64_t drop_components(const CollapseTarget& target);
+
+    /// Merges the ends of the cheapest edges, each vertex at most once, half as many pairs as are
+    /// missing for the target, without asking for the type of the surface, and makes what is left
+    /// manifold again: handles close and thin parts vanish, but nothing is opened. False, and the
+    /// mesh is as before, if nothing would be left. Vertices that went are added to `merges`.
+    bool merge_regardless(const CollapseTarget& target, bool is_closed,
+                          std::vector<std::pair<VertexId, VertexId>>& merges);
+
+    [[nodiscard]] bool is_met(const CollapseTarget& target) const {
+        return mesh_.faces.size() <= target.most_triangles &&
+               mesh_.vertices.size() <= target.most_vertices;
+    }
+    [[nodiscard]] MeshStore store() const;
+
+  private:
+    ooc::Context& context_;
+    ooc::Reservation bytes_;
+    Vec3 origin_;
+    BlockMesh mesh_;
+    std::uint64_t next_fan_ = std::uint64_t{1} << (kFanBits - 1);
+};
 
 }  // namespace hewer::rsimp

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+#include "rsimp/block_collapse.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "ooc/parallel.h"
+#include "rsimp/edge_collapse.h"
+#include "rsimp/key_selection.h"
+
+namespace hewer::rsimp {
+
+namespace {
+
+// One of so many blocks is tried first.
+constexpr std::size_t kSampleStride = 8;
+constexpr std::size_t kLeastSample = 2;
+// The first run goes on to this times the cost that the sample suggests. Keys fall with about the
+// cube of the number of vertices, so this is some per cent of them.
+constexpr float kKeyMargin = 1.25F;
+constexpr double kLeastRaise = 1.5;
+constexpr double kMostRaise = 64;
+
+class LevelCollapse {
+  public:
+    LevelCollapse(ooc::Context& context, const PieceStore& blocks,
+                  const std::vector<std::uint64_t>& n_open, const CollapseNeed& need)
+        : context_(context), blocks_(blocks), n_open_(n_open), need_(need) {
+        std::uint64_t most = 0;
+        for (std::size_t b = 0; b < blocks.size(); ++b) {
+            n_all_open_ += n_open[b];
+            most = std::max(most, bytes_for(b));
+        }
+        n_alive_ = most_blocks_alive(context, most);
+    }
+
+    StepStore run() {
+        if (need_.most_displacement) return run_all({});
+        CollapseLimit limit;
+        if (blocks_.size() == 1) {
+            if (need_.faces != 0) {
+                limit.most_faces = need_.faces;
+            } else {
+                limit.most_vertices = need_.vertices;
+            }
+            return run_all(limit);
+        }
+        limit.most_key = kKeyMargin * sample_key();
+        for (;;) {
+            StepStore logs = run_all(limit);
+            const double got = static_cast<double>(n_got_);
+            const double wanted = static_cast<double>(std::max(need_.faces, need_.vertices));
+            if (got >= wanted || n_unfinished_ == 0) return logs;
+            const double missing = wanted / std::max(got, 1.0);
+            limit.most_key *= static_cast<float>(
+                std::clamp(missing * missing * missing, kLeastRaise, kMostRaise));
+            if (!(limit.most_key > 0)) limit.most_key = std::numeric_limits<float>::min();
+        }
+    }
+
+  private:
+    struct Log {
+        std::vector<CollapseStep> steps;
+        bool is_finished;
+    };
+
+    [[nodiscard]] std::uint64_t bytes_for(std::size_t b) const {
+        const std::uint64_t n = blocks_.n_vertices(b);
+        const std::uint64_t f = blocks_.n_faces(b);
+        return n * sizeof(StoredVertex) + f * sizeof(LocalFace) + EdgeCollapse::bytes_for(n, f);
+    }
+
+    Log run_block(std::size_t b, const CollapseLimit& limit) {
+        const ooc::Reservation bytes =
+            context_.budget().reserve("a block's collapse", bytes_for(b));
+        BlockMesh mesh = blocks_.load(b, b + 1);
+        EdgeCollapse collapse(mesh, need_.most_displacement);
+        mesh = {};
+        collapse.run(limit);
+        context_.check_stop();
+        return {collapse.steps(), collapse.is_finished()};
+    }
+
+    StepStore run_all(const CollapseLimit& limit) {
+        StepStore logs(context_);
+        n_got_ = 0;
+        n_unfinished_ = 0;
+        context_.workers().in_order(
+            blocks_.size(), n_alive_, [&](std::uint64_t b) { return run_block(b, limit); },
+            [&](std::uint64_t, const Log& log) {
+                for (const CollapseStep& step : log.steps) {
+                    n_got_ += need_.faces != 0 ? step.n_faces : 1;
+                }
+                if (!log.is_finished) ++n_unfinished_;
+                logs.append(log.steps);
+            });
+        return logs;
+    }
+
+    /// The cost at which a few blocks have lost their share of what has to go.
+    float sample_key() {
+        const std::size_t n = blocks_.size();
+        const std::size_t n_sample = std::min(n, std::max(kLeastSample, n / kSampleStride));
+        struct Key {
+            float key;
+            std::uint32_t weight;
+        };
+        std::vector<Key> keys;
+        double share = 0;
+        const double wanted = static_cast<double>(std::max(need_.faces, need_.vertices));
+        const auto block = [&](std::uint64_t i) { return (2 * i + 1) * n / (2 * n_sample); };
+        const auto share_of = [&](std::size_t b) {
+            return wanted * static_cast<double>(n_open_[b]) /
+                   static_cast<double>(std::max<std::uint64_t>(1, n_all_open_));
+        };
+        context_.workers().in_order(
+            n_sample, n_alive_,
+            [&](std::uint64_t i) {
+                CollapseLimit limit;
+                const auto most = static_cast<std::uint64_t>(std::ceil(1.1 * share_of(block(i))));
+                (need_.faces != 0 ? limit.most_faces : limit.most_vertices) = most;
+                return run_block(block(i), limit);
+            },
+            [&](std::uint64_t i, const Log& log) {
+                share += share_of(block(i));
+                for (const CollapseStep& step : log.steps) {
+                    keys.push_back({step.key, need_.faces != 0 ? step.n_faces : 1});
+                }
+            });
+        std::sort(keys.begin(), keys.end(),
+                  [](const Key& a, const Key& b) { return a.key < b.key; });
+        double sum = 0;
+        float key = std::numeric_limits<float>::min();
+        for (const Key& k : keys) {
+            key = std::max(key, k.key);
+            if ((sum += k.weight) >= share) break;
+        }
+        return key;
+    }
+
+    ooc::Context& context_;
+    const PieceStore& blocks_;
+    const std::vector<std::uint64_t>& n_open_;
+    CollapseNeed need_;
+    std::uint64_t n_all_open_ = 0;
+    std::size_t n_alive_ = 1;
+    std::uint64_t n_got_ = 0;
+    std::uint64_t n_unfinished_ = 0;
+};
+
+}  // namespace
+
+std::size_t most_blocks_alive(ooc::Context& context, std::uint64_t bytes_a_block) {
+    const std::uint64_t fits =
+        context.budget().limit() / 2 / std::max<std::uint64_t>(1, bytes_a_block);
+    return static_cast<std::size_t>(std::clamp<std::uint64_t>(fits, 1, context.n_threads()));
+}
+
+CollapseLogs collapse_blocks(ooc::Context& context, const PieceStore& blocks,
+                             const std::vector<std::uint64_t>& n_open, const CollapseNeed& need) {
+    if (need.is_none()) {
+        CollapseLogs none{StepStore(context), std::vector<std::uint64_t>(blocks.size())};
+        for (std::size_t b = 0; b < blocks.size(); ++b) none.logs.append({});
+        return none;
+    }
+    CollapseLogs result{LevelCollapse(context, blocks, n_open, need).run(), {}};
+    if (need.most_displacement) {
+        for (std::size_t b = 0; b < blocks.size(); ++b) {
+            result.n_steps.push_back(result.logs.n_steps(b));
+        }
+    } else {
+        result.n_steps = select_steps(result.logs, need.faces, need.vertices);
+    }
+    return result;
+}
+
+}  // namespace hewer::rsimp

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+/// Block meshes put away, to be loaded again one by one or several as one.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "ooc/context.h"
+#include "ooc/spool.h"
+#include "rsimp/block_mesh.h"
+
+namespace hewer::rsimp {
+
+class PieceStore {
+  public:
+    PieceStore(ooc::Context& context, bool with_attributes);
+
+    /// Pieces come in the order of their vertex ids.
+    void append(const BlockMesh& piece);
+    [[nodiscard]] std::size_t size() const { return pieces_.size() - 1; }
+    [[nodiscard]] std::uint64_t n_vertices(std::size_t piece) const {
+        return pieces_[piece + 1].first_vertex - pieces_[piece].first_vertex;
+    }
+    [[nodiscard]] std::uint64_t n_faces(std::size_t piece) const {
+        return pieces_[piece + 1].first_face - pieces_[piece].first_face;
+    }
+    [[nodiscard]] std::uint64_t n_faces() const { return pieces_.back().first_face; }
+    /// The pieces [first, last) as one mesh. Any thread.
+    [[nodiscard]] BlockMesh load(std::size_t first, std::size_t last) const;
+    /// The pieces before this one will not be loaded again.
+    void discard_before(std::size_t piece);
+
+  private:
+    struct Piece {
+        std::uint64_t first_vertex = 0;
+        std::uint64_t first_face = 0;
+    };
+    bool with_attributes_;
+    ooc::Spool<StoredVertex> vertices_;
+    ooc::Spool<cluster::CellAttributes> attributes_;
+    ooc::Spool<LocalFace> faces_;  // corners count from the piece's first vertex
+    std::vector<Piece> pieces_;    // and one more at the end, with the totals
+};
+
+}  // namespace hewer::rsimp
