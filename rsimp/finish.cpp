@@ -2,7 +2,7 @@
 #include "rsimp/finish.h"
 
 #include <algorithm>
-#include <memory>
+#include <numeric>
 #include <utility>
 
 #include "ooc/parallel.h"
@@ -97,6 +97,7 @@ class Finisher::Level {
             },
             [&](std::uint64_t, const Prepared& block) {
                 report.lost_cells += block.counts.lost_cells;
+                n_bubble_faces_ += block.counts.bubble_faces;
                 n_open_.push_back(block.n_open);
                 n_vertices_ += block.mesh.vertices.size();
                 for (const StoredVertex& v : block.mesh.vertices) {
@@ -106,20 +107,24 @@ class Finisher::Level {
                 prepared_->append(block.mesh);
             });
         rims_.reset();
+        input_ = nullptr;
     }
 
+    /// Without the bubbles that are to be expected where faces still run between blocks.
     [[nodiscard]] std::uint64_t n_faces() const {
-        return prepared_->n_faces() + seams_->crossing().size();
+        const std::uint64_t n = prepared_->n_faces() + seams_->crossing().size();
+        const double bubbles = static_cast<double>(n_bubble_faces_) *
+                               static_cast<double>(n_frozen_) /
+                               static_cast<double>(std::max<std::uint64_t>(1, n_open()));
+        return n - std::min(n, static_cast<std::uint64_t>(bubbles));
     }
     /// Without those that are written already.
     [[nodiscard]] std::uint64_t n_vertices() const { return n_vertices_; }
     /// The share of what still has to go that is to go on this level: that of the vertices whose
     /// turn it is.
     [[nodiscard]] double share() const {
-        std::uint64_t n_open = 0;
-        for (const std::uint64_t n : n_open_) n_open += n;
         if (n_frozen_ == 0) return 1;
-        return static_cast<double>(n_open) / static_cast<double>(n_open + n_frozen_);
+        return static_cast<double>(n_open()) / static_cast<double>(n_open() + n_frozen_);
     }
 
     /// Collapses, and hands the finished parts of all blocks to `core`.
@@ -162,8 +167,12 @@ class Finisher::Level {
     }
 
     [[nodiscard]] bool is_last() const { return seams_->crossing().empty(); }
+    [[nodiscard]] bool has_attributes() const { return with_attributes_; }
 
   private:
+    [[nodiscard]] std::uint64_t n_open() const {
+        return std::accumulate(n_open_.begin(), n_open_.end(), std::uint64_t{0});
+    }
     [[nodiscard]] std::size_t n_blocks() const { return first_box_.size() - 1; }
 
     void group() {
@@ -222,6 +231,7 @@ class Finisher::Level {
     std::unique_ptr<PieceStore> prepared_;
     std::vector<std::uint64_t> n_open_;
     std::uint64_t n_frozen_ = 0;
+    std::uint64_t n_bubble_faces_ = 0;
     std::uint64_t n_vertices_ = 0;
     std::unique_ptr<PieceStore> next_rims_;
     std::vector<std::uint64_t> next_counts_;
@@ -236,26 +246,29 @@ Finisher::Finisher(ooc::Context& context, std::vector<cluster::OctreeBox> boxes,
       is_closed_(is_closed),
       block_vertices_(block_vertices) {}
 
-MeshStore Finisher::run(const BlockInput& input, const std::optional<CollapseTarget>& target,
-                        bool with_merges, FinishReport& report) {
+Finisher::~Finisher() = default;
+
+std::uint64_t Finisher::begin(const BlockInput& input, FinishReport& report) {
+    origin_ = input.origin();
+    level_ = std::make_unique<Level>(*this, input);
+    level_->prepare(report);
+    return level_->n_faces();
+}
+
+MeshStore Finisher::run(const std::optional<CollapseTarget>& target, bool with_merges,
+                        FinishReport& report) {
     std::vector<MeshStore> parts;
     std::uint64_t n_faces = 0;  // finished
     std::uint64_t n_vertices = 0;
-    std::unique_ptr<Level> level;
-    do {
-        const bool is_first = level == nullptr;
-        level = is_first ? std::make_unique<Level>(*this, input)
-                         : std::make_unique<Level>(*this, *level);
-        level->prepare(report);
-        if (is_first) report.start_triangles = level->n_faces();
+    for (;;) {
         CollapseNeed need;
         if (target) {
             const auto share = [&](std::uint64_t n) {
-                return static_cast<std::uint64_t>(static_cast<double>(n) * level->share() + 0.5);
+                return static_cast<std::uint64_t>(static_cast<double>(n) * level_->share() + 0.5);
             };
-            const std::uint64_t faces = excess(n_faces + level->n_faces(), target->most_triangles);
+            const std::uint64_t faces = excess(n_faces + level_->n_faces(), target->most_triangles);
             const std::uint64_t vertices =
-                excess(n_vertices + level->n_vertices(), target->most_vertices);
+                excess(n_vertices + level_->n_vertices(), target->most_vertices);
             need.most_displacement = target->most_displacement;
             // An inner edge takes two faces with it.
             if (faces >= 2 * vertices) {
@@ -264,11 +277,15 @@ MeshStore Finisher::run(const BlockInput& input, const std::optional<CollapseTar
                 need.vertices = share(vertices);
             }
         }
-        parts.push_back(make_mesh_store(context_, input.origin(), input.has_attributes()));
-        level->collapse(need, with_merges, report, parts.back());
+        parts.push_back(make_mesh_store(context_, origin_, level_->has_attributes()));
+        level_->collapse(need, with_merges, report, parts.back());
         n_faces += parts.back().faces.size();
         n_vertices += parts.back().vertices.size();
-    } while (!level->is_last());
+        if (level_->is_last()) break;
+        level_ = std::make_unique<Level>(*this, *level_);
+        level_->prepare(report);
+    }
+    level_.reset();
     return merge_parts(context_, std::move(parts));
 }
 

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "ooc/context.h"
@@ -22,8 +24,7 @@ struct CollapseTarget {
 
 struct FinishReport {
     std::uint64_t collapses = 0;
-    std::uint64_t lost_cells = 0;       ///< of clusters of which no face was left
-    std::uint64_t start_triangles = 0;  ///< after duplicates were settled, as far as seen at first
+    std::uint64_t lost_cells = 0;  ///< of clusters of which no face was left
     /// (went, stands for it), if asked for; a pair's second may be the first of a later one.
     std::vector<std::pair<VertexId, VertexId>> merges;
 };
@@ -48,10 +49,16 @@ class Finisher {
              std::vector<std::uint64_t> first_cluster, bool is_closed,
              std::uint64_t block_vertices = kBlockVertices);
 
-    /// Collapses until the target is met or no edge can be collapsed any more; without a target it
-    /// only makes the mesh manifold.
-    MeshStore run(const BlockInput& input, const std::optional<CollapseTarget>& target,
-                  bool with_merges, FinishReport& report);
+    ~Finisher();
+
+    /// Makes the blocks of the first level manifold. The input is not needed any more afterwards.
+    /// Returns how many triangles a collapse could begin with: an estimate at the seams.
+    std::uint64_t begin(const BlockInput& input, FinishReport& report);
+
+    /// Collapses what begin() has loaded until the target is met or no edge can be collapsed any
+    /// more; without a target it only makes the mesh manifold.
+    MeshStore run(const std::optional<CollapseTarget>& target, bool with_merges,
+                  FinishReport& report);
 
     [[nodiscard]] const std::vector<std::uint64_t>& first_cluster() const { return first_cluster_; }
 
@@ -63,6 +70,8 @@ class Finisher {
     std::vector<std::uint64_t> first_cluster_;
     bool is_closed_;
     std::uint64_t block_vertices_;
+    Vec3 origin_{};
+    std::unique_ptr<Level> level_;
 };
 
 }  // namespace hewer::rsimp

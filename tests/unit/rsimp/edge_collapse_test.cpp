@@ -3,50 +3,52 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
+#include "ooc/vec3.h"
 #include "rsimp/cluster_summary.h"
-#include "tests/support/clustered_mesh.h"
+#include "rsimp/collapse_cut.h"
 #include "tests/support/shapes.h"
-#include "tests/unit/rsimp/collapse_mesh.h"
+#include "tests/unit/rsimp/block_meshes.h"
 
 namespace hewer::rsimp {
 
 namespace {
 
-constexpr std::uint64_t kAny = std::numeric_limits<std::uint64_t>::max();
-
 Mesh large(const Mesh& mesh) {
     return test::scaled(mesh, {50, 50, 50});
 }
 
-Mesh collapsed(const Mesh& mesh, const CollapseTarget& target, unsigned n_threads = 2) {
-    const auto context = test::make_context(n_threads);
-    EdgeCollapse collapse(*context, test::collapse_mesh(*context, mesh));
-    const std::uint64_t n = collapse.run(target);
-    Mesh result = test::live_mesh(collapse);
-    EXPECT_EQ(result.triangles.size(), collapse.n_triangles());
-    EXPECT_EQ(result.positions.size(), collapse.n_vertices());
-    EXPECT_EQ(mesh.positions.size() - result.positions.size(), n);
-    return result;
+Mesh collapsed(const Mesh& mesh, const CollapseLimit& limit) {
+    BlockMesh block = test::free_block(mesh);
+    EdgeCollapse collapse(block, {});
+    collapse.run(limit);
+    apply_steps(block, collapse.steps(), nullptr);
+    return test::to_mesh(block);
+}
+
+Mesh collapsed_to(const Mesh& mesh, std::uint64_t n_triangles) {
+    CollapseLimit limit;
+    limit.most_faces = mesh.triangles.size() - n_triangles;
+    return collapsed(mesh, limit);
 }
 
 }  // namespace
 
-TEST(EdgeCollapse, EndsExactlyAtItsTarget) {
+TEST(EdgeCollapse, EndsExactlyAtItsLimit) {
     const Mesh sphere = large(test::cube_sphere(20, 0.02));
     for (const std::uint64_t target : {4000U, 1001U, 500U, 37U, 4U}) {
-        EXPECT_EQ(collapsed(sphere, {target, kAny, {}}).triangles.size(), target & ~1ULL);
+        EXPECT_EQ(collapsed_to(sphere, target).triangles.size(), target & ~1ULL);
     }
     for (const std::uint64_t target : {2000U, 333U, 4U}) {
-        EXPECT_EQ(collapsed(sphere, {kAny, target, {}}).positions.size(), target);
+        CollapseLimit limit;
+        limit.most_vertices = sphere.positions.size() - target;
+        EXPECT_EQ(collapsed(sphere, limit).positions.size(), target);
     }
     const Mesh plane = large(test::plane_grid(30, 0.02));
     for (const std::uint64_t target : {1500U, 101U}) {
-        const std::uint64_t n = collapsed(plane, {target, kAny, {}}).triangles.size();
+        const std::uint64_t n = collapsed_to(plane, target).triangles.size();
         EXPECT_LE(n, target);
         EXPECT_GE(n + 1, target);
     }
@@ -55,20 +57,19 @@ TEST(EdgeCollapse, EndsExactlyAtItsTarget) {
 TEST(EdgeCollapse, KeepsTheMeshManifoldAndItsType) {
     for (const std::uint64_t target : {1000U, 200U, 40U}) {
         const test::Counts sphere =
-            test::count(collapsed(large(test::cube_sphere(20, 0.02)), {target, kAny, {}}));
+            test::count(collapsed_to(large(test::cube_sphere(20, 0.02)), target));
         EXPECT_TRUE(sphere.is_clean() && sphere.is_closed());
         EXPECT_EQ(sphere.euler, 2);
         EXPECT_EQ(sphere.unlike_edges, 0U);
-        const test::Counts torus =
-            test::count(collapsed(large(test::torus(60, 30)), {target, kAny, {}}));
+        const test::Counts torus = test::count(collapsed_to(large(test::torus(60, 30)), target));
         EXPECT_TRUE(torus.is_clean() && torus.is_closed());
         EXPECT_EQ(torus.euler, 0);
         const test::Counts plane =
-            test::count(collapsed(large(test::plane_grid(30, 0.02)), {target, kAny, {}}));
+            test::count(collapsed_to(large(test::plane_grid(30, 0.02)), target));
         EXPECT_TRUE(plane.is_clean());
         EXPECT_EQ(plane.euler, 1);
         const test::Counts strip =
-            test::count(collapsed(large(test::moebius_strip(100, 8)), {target, kAny, {}}));
+            test::count(collapsed_to(large(test::moebius_strip(100, 8)), target));
         EXPECT_TRUE(strip.is_clean());
         EXPECT_EQ(strip.euler, 0);
     }
@@ -76,7 +77,7 @@ TEST(EdgeCollapse, KeepsTheMeshManifoldAndItsType) {
 
 TEST(EdgeCollapse, TurnsNoFaceOfASphereOver) {
     for (const std::uint64_t target : {2000U, 300U, 50U}) {
-        const Mesh mesh = collapsed(large(test::cube_sphere(20)), {target, kAny, {}});
+        const Mesh mesh = collapsed_to(large(test::cube_sphere(20)), target);
         for (const Triangle& t : mesh.triangles) {
             EXPECT_GT(dot(test::cross_of(mesh, t), mesh.positions[t[0]]), 0);
         }
@@ -88,7 +89,7 @@ TEST(EdgeCollapse, TurnsNoFaceOfASphereOver) {
 
 TEST(EdgeCollapse, KeepsTheOutlineOfAPlane) {
     for (const std::uint64_t target : {500U, 60U, 10U}) {
-        const Mesh mesh = collapsed(large(test::plane_grid(30)), {target, kAny, {}});
+        const Mesh mesh = collapsed_to(large(test::plane_grid(30)), target);
         EXPECT_NEAR(test::area(mesh), 2500, 1);  // corners give way by a hair
         const Bounds bounds = test::bounds_of(mesh);
         for (std::size_t i = 0; i < 2; ++i) {
@@ -101,52 +102,72 @@ TEST(EdgeCollapse, KeepsTheOutlineOfAPlane) {
 
 TEST(EdgeCollapse, NoVertexLeavesItsBoxByMoreThanTheBound) {
     const Mesh mesh = large(test::cube_sphere(20));
-    const auto context = test::make_context();
-    EdgeCollapse collapse(*context, test::collapse_mesh(*context, mesh));
-    std::uint64_t before = mesh.triangles.size();
+    std::size_t before = mesh.triangles.size();
     // Each bound allows more than the one before.
     for (const double bound : {6.0, 12.0, 30.0}) {
-        collapse.run({0, 0, bound});
-        EXPECT_LT(collapse.n_triangles(), before);
-        before = collapse.n_triangles();
-        for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
-            const Vec3& p = collapse.mesh().vertices[collapse.representative(v)].position;
-            const Vec3 half{0.5, 0.5, 0.5};
-            EXPECT_LE(farthest_corner(mesh.positions[v] - half, mesh.positions[v] + half, p),
+        BlockMesh block = test::free_block(mesh);
+        EdgeCollapse collapse(block, bound);
+        collapse.run({});
+        EXPECT_TRUE(collapse.is_finished());
+        apply_steps(block, collapse.steps(), nullptr);
+        EXPECT_LT(block.faces.size(), before);
+        before = block.faces.size();
+        for (const StoredVertex& v : block.vertices) {
+            const auto& box = v.vertex.box;
+            EXPECT_LE(farthest_corner({box[0], box[1], box[2]}, {box[3], box[4], box[5]},
+                                      v.vertex.position),
                       bound + 1e-4);
         }
     }
 }
 
-TEST(EdgeCollapse, ThreadsDoNotShow) {
-    const Mesh mesh = large(test::joined(test::cube_sphere(30, 0.03), test::torus(50, 20)));
-    const Mesh expected = collapsed(mesh, {800, kAny, {}}, 1);
-    for (const unsigned n_threads : {2U, 8U}) {
-        const Mesh other = collapsed(mesh, {800, kAny, {}}, n_threads);
-        EXPECT_EQ(other.triangles, expected.triangles);
-        EXPECT_EQ(other.positions, expected.positions);
+TEST(EdgeCollapse, ARunThatGoesOnMakesTheSameSteps) {
+    const BlockMesh block = test::free_block(large(test::cube_sphere(20, 0.03)));
+    EdgeCollapse at_once(block, {});
+    CollapseLimit limit;
+    limit.most_vertices = 1500;
+    at_once.run(limit);
+    EdgeCollapse in_parts(block, {});
+    for (const std::uint64_t n : {1U, 17U, 500U, 1499U, 1500U}) {
+        limit.most_vertices = n;
+        in_parts.run(limit);
+        EXPECT_EQ(in_parts.steps().size(), n);
+    }
+    ASSERT_EQ(at_once.steps().size(), in_parts.steps().size());
+    float key = 0;
+    for (std::size_t i = 0; i < at_once.steps().size(); ++i) {
+        const CollapseStep& a = at_once.steps()[i];
+        const CollapseStep& b = in_parts.steps()[i];
+        EXPECT_EQ(a.position, b.position);
+        EXPECT_EQ(a.kept, b.kept);
+        EXPECT_EQ(a.gone, b.gone);
+        EXPECT_GE(a.key, key);
+        key = a.key;
     }
 }
 
-TEST(EdgeCollapse, DropsWholeComponentsWhenNothingElseHelps) {
-    // Eight small spheres and a large one.
-    const Mesh mesh = large(
-        test::joined(test::many_spheres(2, 5), test::translated(test::cube_sphere(10), {5, 0, 0})));
-    const auto context = test::make_context();
-    EdgeCollapse collapse(*context, test::collapse_mesh(*context, mesh));
-    const CollapseTarget target{12, kAny, {}};
-    collapse.run(target);
-    EXPECT_EQ(collapse.n_triangles(), 36U);  // nine tetrahedra
-    EXPECT_GT(collapse.drop_components(target), 0U);
-    EXPECT_EQ(collapse.n_triangles(), 12U);
-    EXPECT_EQ(
-        collapse.representative(0) == kNoIndex || collapse.is_live(collapse.representative(0)),
-        true);
-    double largest = 0;
-    for (const Vec3& p : test::live_mesh(collapse).positions) largest = std::max(largest, p[0]);
-    EXPECT_GT(largest, 200);  // the large one stays
-    collapse.drop_components({1, kAny, {}});
-    EXPECT_EQ(collapse.n_triangles(), 4U);  // one component stays
+TEST(EdgeCollapse, LeavesFrozenAndLockedVerticesAlone) {
+    BlockMesh block = test::free_block(large(test::cube_sphere(16, 0.02)));
+    std::vector<std::pair<VertexId, Vec3>> fixed;
+    test::Random random(3);
+    for (StoredVertex& v : block.vertices) {
+        const std::uint64_t kind = random.below(6);
+        if (kind > 1) continue;
+        v.flags = kind == 0 ? VertexFlags::kFrozen : VertexFlags::kLocked;
+        fixed.emplace_back(v.id, v.vertex.position);
+    }
+    EdgeCollapse collapse(block, {});
+    collapse.run({});
+    apply_steps(block, collapse.steps(), nullptr);
+    EXPECT_LT(block.vertices.size(), 1500U);
+    for (const auto& [id, position] : fixed) {
+        const std::uint32_t v = find_vertex(block, id);
+        ASSERT_LT(v, block.vertices.size());
+        EXPECT_EQ(block.vertices[v].id, id);
+        EXPECT_EQ(block.position(v), position);
+    }
+    const test::Counts counts = test::count(test::to_mesh(block));
+    EXPECT_TRUE(counts.is_clean() && counts.is_closed());
 }
 
 }  // namespace hewer::rsimp

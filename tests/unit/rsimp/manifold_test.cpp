@@ -7,9 +7,10 @@
 #include <set>
 #include <vector>
 
-#include "tests/support/clustered_mesh.h"
+#include "rsimp/half_edges.h"
 #include "tests/support/mesh_checks.h"
 #include "tests/support/shapes.h"
+#include "tests/unit/rsimp/block_meshes.h"
 
 namespace hewer::rsimp {
 
@@ -17,26 +18,24 @@ namespace {
 
 struct Built {
     std::vector<Triangle> triangles;
-    std::vector<std::uint32_t> clusters;
+    std::vector<std::uint64_t> clusters;
     test::Counts counts;
-    std::uint64_t n_cancelled = 0;
-    std::uint64_t n_cut_vertices = 0;
+    ManifoldCounts made;
 };
 
-Built build(const Mesh& mesh, bool is_closed, unsigned n_threads = 2) {
-    const auto context = test::make_context(n_threads);
-    std::vector<CellTriple> triples;
-    for (const Triangle& t : mesh.triangles) {
-        triples.push_back({static_cast<std::uint32_t>(t[0]), static_cast<std::uint32_t>(t[1]),
-                           static_cast<std::uint32_t>(t[2])});
-    }
-    const ManifoldMesh manifold = build_manifold(*context, triples, mesh.positions, is_closed);
+Built build(const Mesh& mesh, bool is_closed) {
+    BlockMesh block = test::raw_block(mesh);
     Built built;
-    for (const CellTriple& t : manifold.triangles) built.triangles.push_back({t[0], t[1], t[2]});
-    built.clusters.assign(manifold.cluster_of_vertex.begin(), manifold.cluster_of_vertex.end());
+    built.made = make_manifold(block, is_closed);
+    for (const LocalFace& t : block.faces) built.triangles.push_back({t[0], t[1], t[2]});
+    for (const StoredVertex& v : block.vertices) {
+        EXPECT_TRUE(VertexFlags::is_free(v.flags));
+        built.clusters.push_back(cluster_of(v.id));
+    }
+    EXPECT_TRUE(
+        std::is_sorted(block.vertices.begin(), block.vertices.end(),
+                       [](const StoredVertex& a, const StoredVertex& b) { return a.id < b.id; }));
     built.counts = test::count(built.triangles, built.clusters.size());
-    built.n_cancelled = manifold.n_cancelled;
-    built.n_cut_vertices = manifold.n_cut_vertices;
     return built;
 }
 
@@ -52,7 +51,7 @@ Mesh merged_at_random(Mesh mesh, std::uint64_t n, std::uint64_t seed) {
 
 }  // namespace
 
-TEST(BuildManifold, LeavesAManifoldMeshAsItIs) {
+TEST(MakeManifold, LeavesAManifoldMeshAsItIs) {
     for (const Mesh& mesh : {test::cube_sphere(12, 0.02), test::torus(30, 12)}) {
         const Built built = build(mesh, true);
         std::vector<Triangle> as_clusters;
@@ -62,12 +61,12 @@ TEST(BuildManifold, LeavesAManifoldMeshAsItIs) {
         }
         EXPECT_EQ(test::triangle_set(as_clusters), test::triangle_set(mesh.triangles));
         EXPECT_EQ(built.clusters.size(), mesh.positions.size());
-        EXPECT_EQ(built.n_cancelled, 0U);
-        EXPECT_EQ(built.n_cut_vertices, 0U);
+        EXPECT_EQ(built.made.cancelled_faces, 0U);
+        EXPECT_EQ(built.made.cut_vertices, 0U);
     }
 }
 
-TEST(BuildManifold, ClosedStaysClosedHoweverItIsFolded) {
+TEST(MakeManifold, ClosedStaysClosedHoweverItIsFolded) {
     for (std::uint64_t seed = 1; seed <= 12; ++seed) {
         for (const std::uint64_t n : {5U, 20U, 100U, 600U}) {
             const Built built = build(merged_at_random(test::cube_sphere(10, 0.1), n, seed), true);
@@ -80,7 +79,7 @@ TEST(BuildManifold, ClosedStaysClosedHoweverItIsFolded) {
     }
 }
 
-TEST(BuildManifold, OpenAndDirtyInputsKeepNoEdgeOfMoreThanTwoFaces) {
+TEST(MakeManifold, OpenAndDirtyInputsKeepNoEdgeOfMoreThanTwoFaces) {
     std::vector<Mesh> meshes{test::book(3, 6), test::book(8, 6), test::moebius_strip(40, 5),
                              test::with_turned_triangles(test::cube_sphere(10), 0.4, 2)};
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
@@ -97,44 +96,44 @@ TEST(BuildManifold, OpenAndDirtyInputsKeepNoEdgeOfMoreThanTwoFaces) {
         EXPECT_EQ(built.counts.split_fans, 0U);
         EXPECT_EQ(built.counts.unreferenced, 0U);
         EXPECT_FALSE(built.triangles.empty());
-        for (const std::uint32_t c : built.clusters) EXPECT_LT(c, mesh.positions.size());
+        for (const std::uint64_t c : built.clusters) EXPECT_LT(c, mesh.positions.size());
     }
 }
 
-TEST(BuildManifold, ABookIsTakenApartWithoutLosingAPage) {
+TEST(MakeManifold, ABookIsTakenApartWithoutLosingAPage) {
     for (const std::uint64_t n_pages : {3U, 4U, 7U}) {
         const Mesh mesh = test::book(n_pages, 5);
         const Built built = build(mesh, false);
         EXPECT_EQ(built.triangles.size(), mesh.triangles.size());
-        EXPECT_GT(built.n_cut_vertices, 0U);
+        EXPECT_GT(built.made.cut_vertices, 0U);
         EXPECT_GT(built.clusters.size(), mesh.positions.size());
     }
 }
 
-TEST(BuildManifold, DuplicatesInAnOpenMeshAreDirt) {
+TEST(MakeManifold, DuplicatesInAnOpenMeshAreDirt) {
     Mesh mesh = test::plane_grid(8);
     const std::size_t n = mesh.triangles.size();
     mesh.triangles.insert(mesh.triangles.end(), mesh.triangles.begin(),
                           mesh.triangles.begin() + 20);
     const Built built = build(mesh, false);
     EXPECT_EQ(built.triangles.size(), n);
-    EXPECT_EQ(built.n_cancelled, 20U);
+    EXPECT_EQ(built.made.cancelled_faces, 20U);
 }
 
-TEST(BuildManifold, TriplesWithRepeatedIdsAreSkipped) {
+TEST(MakeManifold, TriplesWithRepeatedIdsAreSkipped) {
     Mesh mesh = test::cube_sphere(5);
     const std::size_t n = mesh.triangles.size();
     mesh.triangles.insert(mesh.triangles.begin() + 7, {{1, 1, 2}, {3, 4, 3}, {5, 5, 5}});
     EXPECT_EQ(build(mesh, true).triangles.size(), n);
 }
 
-TEST(BuildManifold, NeitherOrderNorThreadsShow) {
+TEST(MakeManifold, TheOrderOfTheFacesDoesNotShow) {
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
         for (const bool is_closed : {true, false}) {
             Mesh mesh = is_closed
                             ? merged_at_random(test::cube_sphere(10, 0.1), 150, seed)
                             : test::joined(test::book(5, 6), test::random_soup(60, 500, seed));
-            const Built expected = build(mesh, is_closed, 1);
+            const Built expected = build(mesh, is_closed);
             test::Random random(seed);
             for (std::size_t i = mesh.triangles.size(); i > 1; --i) {
                 std::swap(mesh.triangles[i - 1], mesh.triangles[random.below(i)]);
@@ -143,28 +142,51 @@ TEST(BuildManifold, NeitherOrderNorThreadsShow) {
                 std::rotate(t.begin(), t.begin() + static_cast<std::ptrdiff_t>(random.below(3)),
                             t.end());
             }
-            for (const unsigned n_threads : {1U, 8U}) {
-                const Built built = build(mesh, is_closed, n_threads);
-                EXPECT_EQ(built.triangles, expected.triangles);
-                EXPECT_EQ(built.clusters, expected.clusters);
-            }
+            const Built built = build(mesh, is_closed);
+            EXPECT_EQ(built.triangles, expected.triangles);
+            EXPECT_EQ(built.clusters, expected.clusters);
         }
     }
 }
 
+TEST(MakeManifold, LeavesFrozenClustersForLater) {
+    // Frozen at random: what is free is manifold around itself; freezing nothing afterwards makes
+    // the rest so, too.
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+        BlockMesh block = test::raw_block(merged_at_random(test::cube_sphere(10, 0.1), 200, seed));
+        test::Random random(seed);
+        for (StoredVertex& v : block.vertices) {
+            if (random.below(3) == 0) v.flags |= VertexFlags::kFrozen;
+        }
+        make_manifold(block, true);
+        std::vector<int> n_open(block.vertices.size());
+        for_each_edge(block.faces, block.vertices.size(),
+                      [&](std::uint32_t low, std::span<const HalfEdge> group) {
+                          const std::uint32_t high = group[0].other;
+                          if (block.is_free(low) || block.is_free(high)) {
+                              EXPECT_EQ(group.size(), 2U);
+                          }
+                      });
+        for (StoredVertex& v : block.vertices) v.flags &= ~VertexFlags::kFrozen;
+        make_manifold(block, true);
+        const test::Counts counts = test::count(test::to_mesh(block));
+        EXPECT_TRUE(counts.is_closed()) << seed;
+        EXPECT_TRUE(counts.is_clean()) << seed;
+    }
+}
+
 TEST(CountEdges, AgreesWithAPlainCount) {
-    const auto context = test::make_context();
     for (const Mesh& mesh : {test::cube_sphere(8), test::plane_grid(9), test::book(5, 6),
                              test::random_soup(40, 300, 1)}) {
-        std::vector<CellTriple> triples;
+        std::vector<LocalFace> faces;
         std::vector<Triangle> plain;
         for (const Triangle& t : mesh.triangles) {
             if (t[0] == t[1] || t[1] == t[2] || t[0] == t[2]) continue;
             plain.push_back(t);
-            triples.push_back({static_cast<std::uint32_t>(t[0]), static_cast<std::uint32_t>(t[1]),
-                               static_cast<std::uint32_t>(t[2])});
+            faces.push_back({static_cast<std::uint32_t>(t[0]), static_cast<std::uint32_t>(t[1]),
+                             static_cast<std::uint32_t>(t[2])});
         }
-        const EdgeCounts counts = count_edges(*context, triples, mesh.positions.size());
+        const EdgeCounts counts = count_edges(faces, mesh.positions.size());
         const test::Counts expected = test::count(plain, mesh.positions.size());
         EXPECT_EQ(counts.edges, expected.edges);
         EXPECT_EQ(counts.border, expected.border_edges);

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#include "rsimp/lod_chain.h"
+
+#include "rsimp/topology_change.h"
+
+namespace hewer::rsimp {
+
+namespace {
+
+bool is_met(const MeshStore& mesh, const CollapseTarget& target) {
+    return mesh.faces.size() <= target.most_triangles &&
+           mesh.vertices.size() <= target.most_vertices;
+}
+
+}  // namespace
+
+LodChain::LodChain(ooc::Context& context, StartMesh start, bool with_merges)
+    : context_(context),
+      start_(std::move(start)),
+      with_merges_(with_merges),
+      report_(std::move(start_.finish)) {}
+
+LodChain::Result LodChain::next(const std::optional<CollapseTarget>& target) {
+    Result result;
+    report_.merges.clear();
+    report_.collapses = 0;
+    Finisher& finisher = *start_.finisher;
+    const auto collapse = [&] {
+        if (!is_first_) finisher.begin(StoreInput(mesh_, finisher.first_cluster()), report_);
+        is_first_ = false;
+        mesh_ = finisher.run(target, with_merges_, report_);
+    };
+    collapse();
+    if (target && !target->most_displacement) {
+        while (!is_met(mesh_, *target) && !mesh_.faces.empty()) {
+            const std::uint64_t before = report_.collapses;
+            collapse();
+            if (report_.collapses > before || is_met(mesh_, *target)) continue;
+            const std::uint64_t n_faces = mesh_.faces.size();
+            change_topology(*target, result);
+            if (mesh_.faces.size() == n_faces) break;
+        }
+    }
+    result.collapses = report_.collapses;
+    return result;
+}
+
+void LodChain::change_topology(const CollapseTarget& target, Result& result) {
+    WholeMesh whole(context_, mesh_);
+    report_.lost_cells += whole.drop_components(target);
+    if (!whole.is_met(target) && whole.merge_regardless(target, start_.is_closed, report_.merges)) {
+        result.is_nested = false;
+    }
+    mesh_ = whole.store();
+}
+
+}  // namespace hewer::rsimp

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+/// The levels of detail of a run, fine to coarse: each is the one before it, collapsed further.
+#pragma once
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "ooc/context.h"
+#include "rsimp/finish.h"
+#include "rsimp/start_mesh.h"
+
+namespace hewer::rsimp {
+
+class LodChain {
+  public:
+    LodChain(ooc::Context& context, StartMesh start, bool with_merges);
+
+    struct Result {
+        bool is_nested = true;  ///< every vertex of the mesh before has one parent in this one
+        std::uint64_t collapses = 0;
+    };
+    /// Makes the next mesh. Without a target everything is kept. A target that collapsing cannot
+    /// reach is reached by dropping components, and then regardless of handles.
+    Result next(const std::optional<CollapseTarget>& target);
+
+    [[nodiscard]] const MeshStore& mesh() const { return mesh_; }
+    /// Grid cells so far for which no vertex stands any more.
+    [[nodiscard]] std::uint64_t lost_cells() const { return report_.lost_cells; }
+    /// Which vertices went where on the way from the mesh before to this one, if asked for; in
+    /// order: a pair's second may be the first of a later one.
+    [[nodiscard]] const std::vector<std::pair<VertexId, VertexId>>& merges() const {
+        return report_.merges;
+    }
+
+  private:
+    void change_topology(const CollapseTarget& target, Result& result);
+
+    ooc::Context& context_;
+    StartMesh start_;
+    bool with_merges_;
+    bool is_first_ = true;
+    FinishReport report_;
+    MeshStore mesh_;
+};
+
+}  // namespace hewer::rsimp

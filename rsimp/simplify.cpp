@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+/// The pipeline: input -> cells -> clusters -> finishing collapse -> LODs.
+#include "hewer/simplify.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "hewer/version.h"
+#include "ooc/context.h"
+#include "ooc/resource_usage.h"
+#include "rsimp/grid_choice.h"
+#include "rsimp/lod_chain.h"
+#include "rsimp/lod_output.h"
+#include "rsimp/stage_log.h"
+#include "rsimp/start_mesh.h"
+
+namespace hewer {
+
+namespace {
+
+using namespace rsimp;
+
+// Expected shares of the time, for progress.
+std::vector<ooc::StageWeight> stage_weights() {
+    return {{"bounds", 1}, {"vertices", 2}, {"sample", 2},  {"cluster", 8},
+            {"refine", 8}, {"mesh", 2},     {"finish", 12}, {"write", 2}};
+}
+
+CollapseTarget collapse_target(const Target& target, const SimplifyReport& report) {
+    constexpr std::uint64_t kAny = std::numeric_limits<std::uint64_t>::max();
+    CollapseTarget t{kAny, kAny, {}};
+    switch (target.kind) {
+        case Target::Kind::Triangles:
+            t.most_triangles = static_cast<std::uint64_t>(target.value);
+            break;
+        case Target::Kind::Vertices:
+            t.most_vertices = static_cast<std::uint64_t>(target.value);
+            break;
+        case Target::Kind::Ratio:
+            // A hair more, so that 10 % of 1000 is 100 in spite of 0.1 not being a tenth.
+            t.most_triangles = static_cast<std::uint64_t>(
+                target.value * static_cast<double>(report.input.triangles) * (1 + 1e-12));
+            break;
+        case Target::Kind::Error:
+        case Target::Kind::RelativeError:
+            t.most_triangles = 0;
+            t.most_vertices = 0;
+            t.most_displacement = target_error(target, report.input.bounds) / report.grid.cell_size;
+            break;
+    }
+    return t;
+}
+
+std::string hex(std::uint64_t value) {
+    std::array<char, 17> text{};
+    std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(value));
+    return text.data();
+}
+
+}  // namespace
+
+SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
+                        const SimplifyOptions& options, const Hooks& hooks,
+                        const ParentsCallback& parents) {
+    const auto start = std::chrono::steady_clock::now();
+    check_options(options);
+    ooc::Context context(options.memory_bytes, options.n_threads, hooks, stage_weights());
+    SimplifyReport report;
+    report.version = version();
+    report.options = options;
+    report.options.memory_bytes = context.budget().limit();
+    report.options.n_threads = context.n_threads();
+    StageLog stages(context, [&] { return source.bytes_read(); });
+
+    StartMesh start_mesh = make_start_mesh(context, source, options, stages, report);
+    report.refined_clusters = start_mesh.n_clusters;
+    const SourceInfo& info = source.info();
+    LodOutput output(context, {start_mesh.lattice, start_mesh.grid, info.has_normals,
+                               info.has_colors, info.has_alpha, info.has_double_positions});
+    LodChain chain(context, std::move(start_mesh), static_cast<bool>(parents));
+    std::vector<Target> targets = options.targets;
+    const bool is_free = targets.empty();  // uniform with a given cell: everything goes out
+    if (is_free) targets.push_back({Target::Kind::Ratio, 1});
+    std::vector<LodParents> all_parents;
+    for (std::size_t i = 0; i < targets.size(); ++i) {
+        LodReport lod;
+        lod.target = targets[i];
+        std::optional<CollapseTarget> target;
+        if (!is_free) {
+            target = collapse_target(targets[i], report);
+            if (!target->most_displacement &&
+                target->most_vertices == std::numeric_limits<std::uint64_t>::max()) {
+                lod.target_triangles = target->most_triangles;
+            }
+        }
+        stages.begin("finish", 0, "collapses");
+        const LodChain::Result result = chain.next(target);
+        lod.is_nested = result.is_nested;
+        report.collapses += result.collapses;
+        if (chain.mesh().faces.empty()) {
+            throw InvalidArgument(
+                source.info().name +
+                ": nothing is left of the surface at this cell size; use a finer one");
+        }
+        stages.begin("write", 0, "bytes");
+        const std::unique_ptr<MeshSink> sink = sinks(i);
+        output.write(chain.mesh(), *sink, lod);
+        sink->finish();
+        lod.lost_cells = chain.lost_cells();
+        lod.bytes = sink->bytes_written();
+        stages.add_bytes_written(lod.bytes);
+        report.bytes_written += lod.bytes;
+        report.lods.push_back(std::move(lod));
+        if (i > 0 && parents) all_parents.push_back(output.parents(chain.merges()));
+    }
+    stages.end();
+    for (std::size_t i = 0; i < all_parents.size(); ++i) parents(i, all_parents[i]);
+
+    report.stages = stages.stages();
+    report.warnings = context.warnings();
+    report.bytes_read = source.bytes_read();
+    report.peak_budget_bytes = stages.peak_budget_bytes();
+    report.peak_resident_bytes = ooc::peak_resident_bytes();
+    report.result_hash = hex(output.hash());
+    report.seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return report;
+}
+
+Mesh simplify_mesh(const Mesh& mesh, const SimplifyOptions& options, const Hooks& hooks) {
+    if (options.targets.size() > 1) {
+        throw InvalidArgument("simplify_mesh() makes one LOD; use simplify() for several");
+    }
+    Mesh result;
+    const auto source = view_mesh(mesh);
+    simplify(
+        *source, [&](std::size_t) { return collect_mesh(result); }, options, hooks);
+    return result;
+}
+
+}  // namespace hewer

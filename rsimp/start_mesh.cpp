@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+#include "rsimp/start_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "ooc/vec3.h"
+#include "rsimp/block_refiner.h"
+#include "rsimp/clustering.h"
+#include "rsimp/grid_choice.h"
+#include "rsimp/octree_fusion.h"
+
+namespace hewer::rsimp {
+
+using cluster::CellBlocks;
+
+namespace {
+
+// With fewer cells than this times the clusters wanted, the collapse begins with the cells
+// themselves.
+constexpr double kWorthRefining = 1.3;
+// Triangles that the collapse must at least begin with, for each that is asked for.
+constexpr double kEnoughTriangles = 1.25;
+// Share of the budget that the uniform method aims at and is content with, and the factor on its
+// clusters when it falls short.
+constexpr double kUniformAim = 0.985;
+constexpr double kUniformLeast = 0.85;
+constexpr double kMoreClusters = 1.15;
+// Cells of the next grid for each cell of one that was too coarse.
+constexpr double kFinerGrid = 4;
+// The first splits of an error-bound run stop at this part of the bound; the collapse uses up the
+// rest.
+constexpr double kErrorShareOfTree = 0.5;
+
+Priority priority_of(const SimplifyOptions& options) {
+    return options.priority == SplitPriority::NormalVariation ? Priority::NormalVariation
+                                                              : Priority::Quadric;
+}
+
+/// A budget in triangles; 0 for error bounds and where everything goes out.
+double budget(const SimplifyOptions& options, const SimplifyReport& report) {
+    if (options.targets.empty()) return 0;
+    return 2 * target_vertices(options.targets.front(), report.input.triangles);
+}
+
+/// A start mesh and how many triangles a collapse could begin with.
+struct Attempt {
+    StartMesh start;
+    double n_triangles = 0;
+};
+
+Attempt begin(ooc::Context& context, const CellBlocks& cells, const ClusterMesh& clusters) {
+    Attempt attempt;
+    StartMesh& start = attempt.start;
+    start.lattice = cells.lattice;
+    start.grid = cells.grid;
+    start.is_closed = clusters.is_closed;
+    start.n_clusters = clusters.n_clusters();
+    std::vector<cluster::OctreeBox> boxes;
+    std::vector<std::uint64_t> first_cluster;
+    for (const ClusterMesh::Block& block : clusters.blocks) {
+        if (first_cluster.size() + 1 < clusters.blocks.size()) boxes.push_back(block.box);
+        first_cluster.push_back(block.first_cluster);
+    }
+    start.finisher = std::make_unique<Finisher>(context, std::move(boxes), std::move(first_cluster),
+                                                clusters.is_closed);
+    attempt.n_triangles =
+        static_cast<double>(start.finisher->begin(ClusterInput(clusters), start.finish));
+    return attempt;
+}
+
+/// Refines until the mesh has enough triangles for the collapse to choose from.
+Attempt refine_to_budget(ooc::Context& context, const CellBlocks& cells,
+                         const SimplifyOptions& options, StageLog& stages,
+                         const SimplifyReport& report) {
+    const double triangles = budget(options, report);
+    const auto n_cells = static_cast<double>(cells.n_cells());
+    double wanted = std::ceil(kClustersPerVertex * triangles / 2);
+    stages.begin("refine", static_cast<std::uint64_t>(wanted), "clusters");
+    std::unique_ptr<BlockRefiner> refiner;
+    for (;;) {
+        const bool is_all = wanted * kWorthRefining >= n_cells;
+        if (!is_all && !refiner) {
+            refiner = std::make_unique<BlockRefiner>(context, cells, priority_of(options));
+        }
+        Attempt attempt =
+            begin(context, cells,
+                  is_all ? cells_as_clusters(context, cells)
+                         : refiner->refine_to_count(static_cast<std::uint64_t>(wanted)));
+        if (is_all || attempt.n_triangles >= kEnoughTriangles * triangles) return attempt;
+        wanted *= std::clamp(kClustersPerVertex * triangles / std::max(attempt.n_triangles, 1.0),
+                             1.5, 8.0);
+    }
+}
+
+/// The uniform method: as many clusters as a closed surface needs for the budget. Where parts
+/// vanish in their clusters that is too few, and more are allowed.
+Attempt fuse_to_budget(ooc::Context& context, const CellBlocks& cells,
+                       const SimplifyOptions& options, StageLog& stages,
+                       const SimplifyReport& report) {
+    stages.begin("refine", 0, "clusters");
+    const double triangles = budget(options, report);
+    if (triangles == 0) return begin(context, cells, cells_as_clusters(context, cells));
+    for (double wanted = kUniformAim * triangles / 2;; wanted *= kMoreClusters) {
+        Attempt attempt =
+            begin(context, cells, fuse_blocks(context, cells, static_cast<std::uint64_t>(wanted)));
+        if (attempt.n_triangles >= kUniformLeast * triangles ||
+            wanted >= static_cast<double>(cells.n_cells())) {
+            return attempt;
+        }
+    }
+}
+
+/// No cluster reaches farther than half of the error bound; if some vanish nevertheless, every cell
+/// becomes a cluster, and the collapse alone decides what goes.
+Attempt refine_to_error(ooc::Context& context, const CellBlocks& cells, double error,
+                        StageLog& stages) {
+    stages.begin("refine", 0, "clusters");
+    const double key = kErrorShareOfTree * error / cells.grid.cell_size(cells.lattice);
+    Attempt attempt = begin(
+        context, cells, BlockRefiner(context, cells, Priority::Displacement).refine_to_key(key));
+    if (attempt.start.finish.lost_cells == 0) return attempt;
+    attempt = {};
+    return begin(context, cells, cells_as_clusters(context, cells));
+}
+
+}  // namespace
+
+StartMesh make_start_mesh(ooc::Context& context, MeshSource& source, const SimplifyOptions& options,
+                          StageLog& stages, SimplifyReport& report) {
+    const bool is_given = options.cell_size || options.method == Method::Full;
+    for (double finer = 1;; finer *= kFinerGrid) {
+        bool is_finest = false;
+        const CellBlocks cells =
+            cluster_input(context, source, options, finer, stages, report, is_finest);
+        is_finest |= is_given;
+        const double error = options.targets.empty()
+                                 ? 0
+                                 : target_error(options.targets.front(), report.input.bounds);
+        if (error > 0) {
+            Attempt attempt = refine_to_error(context, cells, error, stages);
+            if (is_finest || attempt.start.finish.lost_cells == 0) return std::move(attempt.start);
+            continue;
+        }
+        const bool is_uniform = options.method == Method::Uniform;
+        Attempt attempt = is_uniform ? fuse_to_budget(context, cells, options, stages, report)
+                                     : refine_to_budget(context, cells, options, stages, report);
+        const double enough =
+            (is_uniform ? kUniformLeast : kEnoughTriangles) * budget(options, report);
+        if (is_finest || attempt.n_triangles >= enough) return std::move(attempt.start);
+    }
+}
+
+}  // namespace hewer::rsimp
