@@ -4,10 +4,14 @@
 /// shows.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
+#include "cluster/accumulate.h"
 #include "cluster/cell_record.h"
+#include "cluster/cell_table.h"
 #include "cluster/lattice.h"
 #include "cluster/uniform_grid.h"
 #include "ooc/spool.h"
@@ -55,6 +59,22 @@ struct CellBlocks {
         return lattice.origin() + (grid.cell_size(lattice) * in_cells);
     }
 };
+
+/// Of three different ids (or codes, which are in the same order) the one in the middle.
+template <typename Id>
+Id median_corner(const std::array<Id, 3>& t) {
+    return std::max(std::min(t[0], t[1]), std::min(std::max(t[0], t[1]), t[2]));
+}
+
+CellBlocks make_cell_blocks(ooc::Context& context, const Lattice& lattice, const UniformGrid& grid,
+                            bool has_attributes);
+
+/// Turns sums into records, sorts them, renumbers the triples. Consumes `table` and `triples`.
+/// Memory: beside the blocks 36 bytes a cell and 24 a triangle.
+CellBlocks build_cell_blocks(ooc::Context& context, const Lattice& lattice, const UniformGrid& grid,
+                             CellTable& table, std::vector<TripleList>& triples,
+                             double border_weight,
+                             std::uint64_t most_cells = CellBlocks::kMostCells);
 
 /// Centre of a cell, in cells from the lattice origin.
 inline Vec3 center_of(std::uint64_t code) {

@@ -38,23 +38,26 @@ MemoryBudget::MemoryBudget(std::uint64_t limit, std::uint64_t fixed)
     }
 }
 
-Reservation MemoryBudget::reserve(std::string_view what, std::uint64_t bytes) {
+std::optional<Reservation> MemoryBudget::try_reserve(std::uint64_t bytes) {
     std::uint64_t used = used_.load(std::memory_order_relaxed);
     do {
-        if (bytes > limit_ - std::min(used, limit_)) {
-            const bool overflows = bytes > std::numeric_limits<std::uint64_t>::max() - used;
-            throw OutOfMemoryBudget(
-                "memory limit reached: " + std::string(what) + " needs " + format_bytes(bytes) +
-                ", " + format_bytes(used) + " of " + format_bytes(limit_) +
-                " are in use; raise --memory" +
-                (overflows ? std::string() : " to more than " + format_bytes(used + bytes)));
-        }
+        if (bytes > limit_ - std::min(used, limit_)) return std::nullopt;
     } while (!used_.compare_exchange_weak(used, used + bytes, std::memory_order_relaxed));
     std::uint64_t peak = peak_.load(std::memory_order_relaxed);
     while (peak < used + bytes &&
            !peak_.compare_exchange_weak(peak, used + bytes, std::memory_order_relaxed)) {
     }
-    return {this, bytes};
+    return Reservation(this, bytes);
+}
+
+Reservation MemoryBudget::reserve(std::string_view what, std::uint64_t bytes) {
+    if (auto reservation = try_reserve(bytes)) return std::move(*reservation);
+    const std::uint64_t in_use = used();
+    const bool overflows = bytes > std::numeric_limits<std::uint64_t>::max() - in_use;
+    throw OutOfMemoryBudget(
+        "memory limit reached: " + std::string(what) + " needs " + format_bytes(bytes) + ", " +
+        format_bytes(in_use) + " of " + format_bytes(limit_) + " are in use; raise --memory" +
+        (overflows ? std::string() : " to more than " + format_bytes(in_use + bytes)));
 }
 
 std::uint64_t MemoryBudget::available() const {

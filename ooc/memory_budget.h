@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -42,6 +43,9 @@ class MemoryBudget {
 
     /// Throws OutOfMemoryBudget, naming `what`, the bytes asked, used and the limit.
     Reservation reserve(std::string_view what, std::uint64_t bytes);
+
+    /// For memory that only saves time: nothing if it is not free.
+    std::optional<Reservation> try_reserve(std::uint64_t bytes);
 
     [[nodiscard]] std::uint64_t limit() const { return limit_; }
     [[nodiscard]] std::uint64_t used() const { return used_.load(std::memory_order_relaxed); }

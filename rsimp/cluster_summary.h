@@ -7,7 +7,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "cluster/cell_store.h"
+#include "cluster/cell_record.h"
+#include "cluster/cell_sums.h"
 #include "cluster/quadric.h"
 
 namespace hewer::rsimp {

@@ -9,7 +9,6 @@
 namespace hewer::rsimp {
 
 using cluster::CellRecord;
-using cluster::CellStore;
 using cluster::CellTriple;
 
 namespace {
@@ -20,67 +19,49 @@ constexpr std::uint32_t kMostCellsForComponents = 128;
 
 }  // namespace
 
-Vec3 ClusterTree::frame_origin(const CellStore& store) const {
-    // Codes stay in place while records move, so this is the same cell at any time.
-    return store.center(first_cell_ + (last_cell_ - first_cell_) / 2);
+ClusterTree::ClusterTree(CellBlock block, Priority priority)
+    : block_(std::move(block)), priority_(priority), place_of_id_(block_.cells.size()) {
+    std::iota(place_of_id_.begin(), place_of_id_.end(), 0U);
+    ClusterNode root;
+    root.cell_end = static_cast<std::uint32_t>(block_.cells.size());
+    root.face_end = static_cast<std::uint32_t>(block_.faces.size());
+    add_node(root, std::numeric_limits<double>::infinity());
 }
 
-void ClusterTree::move_cells_to_frame(CellStore& store) const {
-    const Vec3 origin = frame_origin(store);
-    for (std::uint64_t i = first_cell_; i < last_cell_; ++i) {
-        CellRecord& cell = store.cells[i];
-        const Vec3 center = store.center(cell.id);
-        for (std::size_t k = 0; k < 3; ++k) {
-            cell.mean[k] =
-                static_cast<float>(center[k] - origin[k] + static_cast<double>(cell.mean[k]));
-        }
-    }
-}
-
-ClusterSums ClusterTree::sum(const CellStore& store, const ClusterNode& node,
-                             bool with_normals) const {
+ClusterSums ClusterTree::sum(const ClusterNode& node) const {
     ClusterSums sums;
-    const CellRecord* cells = &store.cells[first_cell_];
     for (std::uint32_t i = node.cell_begin; i < node.cell_end; ++i) {
-        sums.add(cells[i]);
-        if (with_normals) {
-            const auto& n = store.attributes[cells[i].id].face_normal;
+        const CellRecord& cell = block_.cells[i];
+        sums.add(cell);
+        if (priority_ == Priority::NormalVariation) {
+            const auto& n = block_.attributes[cell.id].face_normal;
             for (std::size_t k = 0; k < 3; ++k) sums.face_normal[k] += static_cast<double>(n[k]);
         }
     }
     return sums;
 }
 
-void ClusterTree::add_node(const TreeContext& context, const ClusterNode& subranges,
-                           double parent_key) {
+void ClusterTree::add_node(const ClusterNode& subranges, double parent_key) {
     ClusterNode node = subranges;
     const std::uint32_t n = node.cell_end - node.cell_begin;
     if (n == 1) {
         nodes_.push_back(node);  // key 0: cannot be split
         return;
     }
-    if (n <= kMostCellsForComponents && label_components(context, node) > 1) {
+    if (n <= kMostCellsForComponents && label_components(node) > 1) {
         node.is_disconnected = true;
         node.key = parent_key;
         nodes_.push_back(node);
         return;
     }
-    const ClusterSums sums =
-        sum(context.store, node, context.priority == Priority::NormalVariation);
+    const ClusterSums sums = sum(node);
     const cluster::Eigen3 eigen = cluster::eigen_decomposition(sums.quadric.a);
-    node.key = std::min(parent_key, priority(sums, representative(sums, eigen), context.priority));
+    node.key = std::min(parent_key, priority(sums, representative(sums, eigen), priority_));
     node.plane = split_plane(sums, eigen);
     nodes_.push_back(node);
 }
 
-void ClusterTree::grow(const TreeContext& context, double threshold) {
-    if (nodes_.empty()) {
-        move_cells_to_frame(context.store);
-        ClusterNode root;
-        root.cell_end = static_cast<std::uint32_t>(last_cell_ - first_cell_);
-        root.face_end = static_cast<std::uint32_t>(last_face_ - first_face_);
-        add_node(context, root, std::numeric_limits<double>::infinity());
-    }
+void ClusterTree::grow(double threshold) {
     std::vector<std::uint32_t> open;
     for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
         if (nodes_[i].first_child == 0 && nodes_[i].key > threshold) open.push_back(i);
@@ -88,26 +69,27 @@ void ClusterTree::grow(const TreeContext& context, double threshold) {
     while (!open.empty()) {
         const std::uint32_t index = open.back();
         open.pop_back();
-        split(context, index);
+        split(index);
         for (std::uint32_t c = nodes_[index].first_child; c < nodes_[index].first_child + 2; ++c) {
             if (nodes_[c].key > threshold) open.push_back(c);
         }
     }
 }
 
-void ClusterTree::split(const TreeContext& context, std::uint32_t index) {
+void ClusterTree::split(std::uint32_t index) {
     const ClusterNode node = nodes_[index];
-    const std::uint32_t middle = node.is_disconnected ? partition_by_components(context, node)
-                                                      : partition_by_plane(context, node);
+    const std::uint32_t middle =
+        node.is_disconnected ? partition_by_components(node) : partition_by_plane(node);
 
     // Faces: separated ones first, then those with two corners in the first child, then in the
     // second. A face with its third corner outside, or in the other child, belongs where its other
     // two are.
-    CellTriple* faces = context.store.triangles.data() + first_face_;
+    std::vector<CellTriple>& faces = block_.faces;
     const auto side = [&](std::uint32_t id) -> int {
-        const std::uint64_t at = context.position[id];
-        if (at < first_cell_ + node.cell_begin || at >= first_cell_ + node.cell_end) return 0;
-        return at < first_cell_ + middle ? 1 : 2;
+        if (id == CellBlock::kOutside) return 0;
+        const std::uint32_t at = place_of_id_[id];
+        if (at < node.cell_begin || at >= node.cell_end) return 0;
+        return at < middle ? 1 : 2;
     };
     const auto child_of = [&](const CellTriple& face) -> int {
         std::array<int, 3> count{};
@@ -137,23 +119,23 @@ void ClusterTree::split(const TreeContext& context, std::uint32_t index) {
     child.cell_end = middle;
     child.face_begin = low;
     child.face_end = mid;
-    add_node(context, child, node.key);
+    add_node(child, node.key);
     child.cell_begin = middle;
     child.cell_end = node.cell_end;
     child.face_begin = mid;
     child.face_end = node.face_end;
-    add_node(context, child, node.key);
+    add_node(child, node.key);
 }
 
-void ClusterTree::swap_cells(const TreeContext& context, std::uint32_t i, std::uint32_t j) {
-    CellRecord* cells = &context.store.cells[first_cell_];
+void ClusterTree::swap_cells(std::uint32_t i, std::uint32_t j) {
+    std::vector<CellRecord>& cells = block_.cells;
     std::swap(cells[i], cells[j]);
-    context.position[cells[i].id] = static_cast<std::uint32_t>(first_cell_ + i);
-    context.position[cells[j].id] = static_cast<std::uint32_t>(first_cell_ + j);
+    place_of_id_[cells[i].id] = i;
+    place_of_id_[cells[j].id] = j;
 }
 
-std::uint32_t ClusterTree::partition_by_plane(const TreeContext& context, const ClusterNode& node) {
-    const CellRecord* cells = &context.store.cells[first_cell_];
+std::uint32_t ClusterTree::partition_by_plane(const ClusterNode& node) {
+    const std::vector<CellRecord>& cells = block_.cells;
     const Vec3& d = node.plane.direction;
     const auto is_second = [&](const CellRecord& cell) {
         const Vec3 p{static_cast<double>(cell.mean[0]), static_cast<double>(cell.mean[1]),
@@ -166,7 +148,7 @@ std::uint32_t ClusterTree::partition_by_plane(const TreeContext& context, const 
         if (!is_second(cells[i])) {
             ++i;
         } else {
-            swap_cells(context, i, --j);
+            swap_cells(i, --j);
         }
     }
     // All on one side: equal positions, to rounding. Any halving will do.
@@ -176,7 +158,7 @@ std::uint32_t ClusterTree::partition_by_plane(const TreeContext& context, const 
     return i;
 }
 
-std::uint32_t ClusterTree::label_components(const TreeContext& context, const ClusterNode& node) {
+std::uint32_t ClusterTree::label_components(const ClusterNode& node) {
     const std::uint32_t n = node.cell_end - node.cell_begin;
     labels_.resize(n);
     std::iota(labels_.begin(), labels_.end(), 0U);
@@ -192,38 +174,35 @@ std::uint32_t ClusterTree::label_components(const TreeContext& context, const Cl
         labels_[std::max(i, j)] = std::min(i, j);
         --n_components;
     };
-    const std::uint64_t base = first_cell_ + node.cell_begin;
+    const std::uint32_t base = node.cell_begin;
     // Cells without a face are no components of the surface; they go with the first cell.
-    const CellRecord* cells = &context.store.cells[base];
+    const CellRecord* cells = &block_.cells[base];
     for (std::uint32_t i = 1; i < n; ++i) {
         if ((cells[i].flags & CellRecord::kHasFace) == 0) unite(0, i);
     }
-    const CellTriple* faces = context.store.triangles.data() + first_face_;
     for (std::uint32_t f = node.face_begin; f < node.face_end && n_components > 1; ++f) {
         std::array<std::uint32_t, 3> inside;
         std::size_t count = 0;
-        for (const std::uint32_t id : faces[f]) {
-            const std::uint64_t at = context.position[id];
-            if (at >= base && at < base + n) {
-                inside[count++] = static_cast<std::uint32_t>(at - base);
-            }
+        for (const std::uint32_t id : block_.faces[f]) {
+            if (id == CellBlock::kOutside) continue;
+            const std::uint32_t at = place_of_id_[id];
+            if (at >= base && at < base + n) inside[count++] = at - base;
         }
         for (std::size_t k = 1; k < count; ++k) unite(inside[0], inside[k]);
     }
     return n_components;
 }
 
-std::uint32_t ClusterTree::partition_by_components(const TreeContext& context,
-                                                   const ClusterNode& node) {
+std::uint32_t ClusterTree::partition_by_components(const ClusterNode& node) {
     const std::uint32_t n = node.cell_end - node.cell_begin;
-    label_components(context, node);
+    label_components(node);
     for (std::uint32_t i = 0; i < n; ++i) labels_[i] = labels_[labels_[i]];
     for (std::uint32_t i = 0; i < n; ++i) {
         while (labels_[labels_[i]] != labels_[i]) labels_[i] = labels_[labels_[i]];
     }
     // Components in the order of their lowest cell id, which no partition changes; the first half
     // of them becomes the first child.
-    const CellRecord* cells = &context.store.cells[first_cell_ + node.cell_begin];
+    const CellRecord* cells = &block_.cells[node.cell_begin];
     std::vector<std::uint32_t> lowest(n, std::numeric_limits<std::uint32_t>::max());
     for (std::uint32_t i = 0; i < n; ++i) {
         lowest[labels_[i]] = std::min(lowest[labels_[i]], cells[i].id);
@@ -243,7 +222,7 @@ std::uint32_t ClusterTree::partition_by_components(const TreeContext& context,
             ++i;
         } else {
             --j;
-            swap_cells(context, node.cell_begin + i, node.cell_begin + j);
+            swap_cells(node.cell_begin + i, node.cell_begin + j);
             std::swap(is_second[i], is_second[j]);
         }
     }

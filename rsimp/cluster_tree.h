@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// The cluster tree of one block of the cell store, RSimp-style: clusters are split in two, and
+/// The cluster tree of one block of cells, RSimp-style: clusters are split in two, and
 /// cells and faces are partitioned in place, so that every cluster owns a contiguous subrange of
 /// either (Brodsky & Watson 2000; Choudhury & Watson 2002).
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
-#include "cluster/cell_store.h"
+#include "rsimp/cell_block.h"
 #include "rsimp/cluster_summary.h"
 
 namespace hewer::rsimp {
@@ -28,39 +27,22 @@ struct ClusterNode {
     bool is_disconnected = false;   ///< to be split by components instead of by the plane
 };
 
-/// What the blocks of a run share.
-struct TreeContext {
-    cluster::CellStore& store;
-    /// position[id]: where cell `id` is now, as an index into store.cells.
-    std::span<std::uint32_t> position;
-    Priority priority = Priority::Quadric;
-};
-
-/// A tree over the cells [first_cell, last_cell) of the store, a run of Morton order, and over the
-/// faces that have at least two corners among them. Blocks are independent of each other: what they
-/// share is only the threshold down to which they are split.
+/// A tree over the cells of a block and over the faces that have at least two corners among them.
+/// Blocks are independent of each other: what they share is only the threshold down to which they
+/// are split. Memory: 100 bytes a node and 8 a cell beside the block.
 class ClusterTree {
   public:
-    ClusterTree(std::uint64_t first_cell, std::uint64_t last_cell)
-        : first_cell_(first_cell), last_cell_(last_cell) {}
-
-    /// The faces that are this block's: a subrange of store.triangles. Once, before grow().
-    void set_faces(std::uint64_t first, std::uint64_t last) {
-        first_face_ = first;
-        last_face_ = last;
-    }
+    ClusterTree(CellBlock block, Priority priority);
 
     /// Splits every leaf whose key is above `threshold`, and their children. May be called again
-    /// with a lower threshold. One thread; permutes this block's cells and faces only.
-    void grow(const TreeContext& context, double threshold);
+    /// with a lower threshold.
+    void grow(double threshold);
 
+    [[nodiscard]] const CellBlock& block() const { return block_; }
+    /// Where the cell with an id is now, as a place in block().cells.
+    [[nodiscard]] const std::vector<std::uint32_t>& place_of_id() const { return place_of_id_; }
     [[nodiscard]] const std::vector<ClusterNode>& nodes() const { return nodes_; }
-    [[nodiscard]] std::uint64_t first_cell() const { return first_cell_; }
-    [[nodiscard]] std::uint64_t last_cell() const { return last_cell_; }
     [[nodiscard]] std::uint64_t n_leaves() const { return (nodes_.size() + 1) / 2; }
-    /// Where the block's coordinates start, in cells from the lattice origin: the centre of a cell.
-    [[nodiscard]] Vec3 frame_origin(const cluster::CellStore& store) const;
-
     /// Calls visit(node) for each cluster of the cut at `threshold`: nodes that are not split or
     /// whose key is not above it. First children first, so that neighbours get neighbouring
     /// numbers.
@@ -80,23 +62,18 @@ class ClusterTree {
         }
     }
 
-    /// Sums over a cluster, in the block's frame.
-    [[nodiscard]] ClusterSums sum(const cluster::CellStore& store, const ClusterNode& node,
-                                  bool with_normals) const;
-
   private:
-    void move_cells_to_frame(cluster::CellStore& store) const;
-    void add_node(const TreeContext& context, const ClusterNode& subranges, double parent_key);
-    void split(const TreeContext& context, std::uint32_t index);
-    std::uint32_t partition_by_plane(const TreeContext& context, const ClusterNode& node);
-    std::uint32_t partition_by_components(const TreeContext& context, const ClusterNode& node);
-    std::uint32_t label_components(const TreeContext& context, const ClusterNode& node);
-    void swap_cells(const TreeContext& context, std::uint32_t i, std::uint32_t j);
+    [[nodiscard]] ClusterSums sum(const ClusterNode& node) const;
+    void add_node(const ClusterNode& subranges, double parent_key);
+    void split(std::uint32_t index);
+    std::uint32_t partition_by_plane(const ClusterNode& node);
+    std::uint32_t partition_by_components(const ClusterNode& node);
+    std::uint32_t label_components(const ClusterNode& node);
+    void swap_cells(std::uint32_t i, std::uint32_t j);
 
-    std::uint64_t first_cell_;
-    std::uint64_t last_cell_;
-    std::uint64_t first_face_ = 0;
-    std::uint64_t last_face_ = 0;
+    CellBlock block_;
+    Priority priority_;
+    std::vector<std::uint32_t> place_of_id_;
     std::vector<ClusterNode> nodes_;
     std::vector<std::uint32_t> labels_;  // scratch of label_components
 };

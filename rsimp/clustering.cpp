@@ -17,8 +17,8 @@
 namespace hewer::rsimp {
 
 using cluster::AccumulateResult;
+using cluster::CellBlocks;
 using cluster::CellSample;
-using cluster::CellStore;
 using cluster::CellTable;
 using cluster::Lattice;
 using cluster::LatticePoint;
@@ -117,7 +117,7 @@ class Pass {
           vertices_(vertices),
           report_(report) {}
 
-    CellStore run(const UniformGrid& grid, double expected_cells, AccumulateResult& result) {
+    CellBlocks run(const UniformGrid& grid, double expected_cells, AccumulateResult& result) {
         const SourceInfo& info = source_.info();
         const bool with_face_normals = options_.priority == SplitPriority::NormalVariation;
         const bool with_attributes = info.has_normals || info.has_colors;
@@ -135,8 +135,8 @@ class Pass {
         ++report_.input.triangle_passes;
         vertices_.points.release();
         vertices_.cells.release();
-        return cluster::build_cell_store(context_, lattice_, grid, table, result.triples,
-                                         options_.border_weight);
+        return cluster::build_cell_blocks(context_, lattice_, grid, table, result.triples,
+                                          options_.border_weight);
     }
 
   private:
@@ -175,8 +175,8 @@ void check_memory(ooc::Context& context, const SimplifyOptions& options, const S
 
 }  // namespace
 
-CellStore cluster_input(ooc::Context& context, MeshSource& source, const SimplifyOptions& options,
-                        double finer, StageLog& stages, SimplifyReport& report, bool& is_finest) {
+CellBlocks cluster_input(ooc::Context& context, MeshSource& source, const SimplifyOptions& options,
+                         double finer, StageLog& stages, SimplifyReport& report, bool& is_finest) {
     const SourceInfo& info = source.info();
     const int vertex_passes = report.input.vertex_passes;
     const int triangle_passes = report.input.triangle_passes;
@@ -237,7 +237,7 @@ CellStore cluster_input(ooc::Context& context, MeshSource& source, const Simplif
                 grid.resolution() >= 0.99 * UniformGrid::kMaxResolution;
     const double cells = sample.cells_at(grid.resolution());
     check_memory(context, options, info, cells);
-    CellStore store = pass.run(grid, cells, result);
+    CellBlocks store = pass.run(grid, cells, result);
     stages.end();
 
     input.triangles = result.n_triangles;
@@ -260,9 +260,9 @@ CellStore cluster_input(ooc::Context& context, MeshSource& source, const Simplif
     for (std::size_t i = 0; i < 3; ++i) {
         g.dimensions[i] = static_cast<std::uint64_t>(size[i] / g.cell_size) + 1;
     }
-    g.occupied_cells = store.codes.size();
+    g.occupied_cells = store.n_cells();
     g.border_cells = store.n_border_cells;
-    g.surviving_triangles = store.triangles.size();
+    g.surviving_triangles = store.faces.size();
     g.is_consistently_wound = store.is_consistently_wound;
     return store;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// The first half of the pipeline: passes over the input, up to the cell store.
+/// The first half of the pipeline: passes over the input, up to the blocks of cells.
 #pragma once
 
-#include "cluster/cell_store.h"
+#include "cluster/cell_blocks.h"
 #include "hewer/mesh_source.h"
 #include "hewer/options.h"
 #include "hewer/report.h"
@@ -17,8 +17,8 @@ namespace hewer::rsimp {
 ///
 /// @param finer      factor on the number of cells that the target calls for.
 /// @param is_finest  set if no grid could separate more of the input's vertices.
-cluster::CellStore cluster_input(ooc::Context& context, MeshSource& source,
-                                 const SimplifyOptions& options, double finer, StageLog& stages,
-                                 SimplifyReport& report, bool& is_finest);
+cluster::CellBlocks cluster_input(ooc::Context& context, MeshSource& source,
+                                  const SimplifyOptions& options, double finer, StageLog& stages,
+                                  SimplifyReport& report, bool& is_finest);
 
 }  // namespace hewer::rsimp

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "cluster/cell_store.h"
+#include "cluster/cell_record.h"
 #include "cluster/cell_sums.h"
 #include "ooc/memory_budget.h"
 #include "rsimp/cluster_mesh.h"

@@ -81,8 +81,10 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
     StartMesh start_mesh = make_start_mesh(context, source, options, stages, report);
     report.refined_clusters = start_mesh.n_clusters;
     const SourceInfo& info = source.info();
-    LodOutput output(context, {start_mesh.lattice, start_mesh.grid, info.has_normals,
-                               info.has_colors, info.has_alpha, info.has_double_positions});
+    LodOutput output(context,
+                     {start_mesh.lattice, start_mesh.grid, info.has_normals, info.has_colors,
+                      info.has_alpha, info.has_double_positions},
+                     static_cast<bool>(parents));
     LodChain chain(context, std::move(start_mesh), static_cast<bool>(parents));
     std::vector<Target> targets = options.targets;
     const bool is_free = targets.empty();  // uniform with a given cell: everything goes out

@@ -28,12 +28,25 @@ std::map<cluster::CellKey, std::array<std::int64_t, 19>> ClusteredMesh::sums() {
     return all;
 }
 
-cluster::CellStore cluster_mesh(ooc::Context& context, const Mesh& mesh, double resolution,
-                                double border_weight) {
+cluster::CellBlocks cluster_mesh(ooc::Context& context, const Mesh& mesh, double resolution,
+                                 double border_weight, std::uint64_t most_cells) {
     const auto source = view_mesh(mesh);
     ClusteredMesh clustered(context, *source, resolution, bounds_of(mesh));
-    return cluster::build_cell_store(context, clustered.lattice, clustered.grid, clustered.table,
-                                     clustered.result.triples, border_weight);
+    return cluster::build_cell_blocks(context, clustered.lattice, clustered.grid, clustered.table,
+                                      clustered.result.triples, border_weight, most_cells);
+}
+
+Cells::Cells(const cluster::CellBlocks& source)
+    : lattice(source.lattice),
+      grid(source.grid),
+      codes(read_all(source.codes)),
+      cells(read_all(source.cells)),
+      attributes(read_all(source.attributes)),
+      faces(read_all(source.faces)),
+      blocks(source.blocks),
+      n_border_cells(source.n_border_cells),
+      is_consistently_wound(source.is_consistently_wound) {
+    for (std::size_t i = 0; i < cells.size(); ++i) cells[i].id = static_cast<std::uint32_t>(i);
 }
 
 }  // namespace hewer::test

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "cluster/cell_blocks.h"
 #include "cluster/cell_sample.h"
-#include "cluster/cell_store.h"
 #include "ooc/vec3.h"
 #include "tests/support/batch_source.h"
 #include "tests/support/clustered_mesh.h"
@@ -34,7 +34,7 @@ auto sums_of(const Mesh& mesh, double resolution, unsigned n_threads, const Batc
 }
 
 /// Quadric of the whole store at x, in cells.
-double store_error(const CellStore& store, const Vec3& x) {
+double store_error(const test::Cells& store, const Vec3& x) {
     double sum = 0;
     for (std::uint64_t i = 0; i < store.cells.size(); ++i) {
         const CellRecord& cell = store.cells[i];
@@ -95,7 +95,7 @@ TEST(Accumulate, QuadricsOfAllCellsAddUpToTheSurfaces) {
     for (const Mesh& mesh :
          {test::cube_sphere(20, 0.05), test::plane_grid(25, 0.05), test::random_soup(50, 300, 3)}) {
         for (const double resolution : {1.0, 6.5, 40.0, 1000.0}) {
-            const CellStore store = test::cluster_mesh(*context, mesh, resolution, 0);
+            const test::Cells store(test::cluster_mesh(*context, mesh, resolution, 0));
             const double cell = store.grid.cell_size(store.lattice);
             for (int i = 0; i < 5; ++i) {
                 const Vec3 x{random.between(-3, 3), random.between(-3, 3), random.between(-3, 3)};
@@ -134,7 +134,7 @@ TEST(BorderSums, VanishOnClosedMeshes) {
     for (const Mesh& mesh :
          {test::cube_sphere(30, 0.05), test::torus(70, 30), test::many_spheres(2, 8)}) {
         for (const double resolution : {1.0, 3.3, 20.0, 77.7, 10'000.0}) {
-            const CellStore store = test::cluster_mesh(*context, mesh, resolution);
+            const test::Cells store(test::cluster_mesh(*context, mesh, resolution));
             EXPECT_EQ(store.n_border_cells, 0U);
             for (const CellRecord& cell : store.cells) {
                 EXPECT_EQ(cell.flags & CellRecord::kHasBorder, 0U);
@@ -148,7 +148,7 @@ TEST(BorderSums, FollowTheBorderOfOpenMeshes) {
     const auto context = test::make_context();
     const Mesh mesh = test::plane_grid(60, 0.004);
     for (const double resolution : {5.2, 20.0, 55.0}) {
-        const CellStore store = test::cluster_mesh(*context, mesh, resolution);
+        const test::Cells store(test::cluster_mesh(*context, mesh, resolution));
         std::set<std::uint64_t> expected;
         for (const Vec3& p : mesh.positions) {
             if (p[0] > 0 && p[0] < 1 && p[1] > 0 && p[1] < 1) continue;
@@ -165,7 +165,7 @@ TEST(BorderSums, FollowTheBorderOfOpenMeshes) {
 
 TEST(BorderSums, HoldTheLineButNotThePlaceOnIt) {
     const auto context = test::make_context();
-    const CellStore store = test::cluster_mesh(*context, test::plane_grid(60), 10.5);
+    const test::Cells store(test::cluster_mesh(*context, test::plane_grid(60), 10.5));
     const double cell = store.grid.cell_size(store.lattice);
     std::uint64_t seen = 0;
     for (const CellRecord& record : store.cells) {
@@ -191,31 +191,60 @@ TEST(BorderSums, InconsistentWindingIsNoticed) {
     const auto context = test::make_context();
     const Mesh mesh = test::cube_sphere(40, 0.01);
     EXPECT_TRUE(test::cluster_mesh(*context, mesh, 60).is_consistently_wound);
-    const CellStore store =
-        test::cluster_mesh(*context, test::with_turned_triangles(mesh, 0.5, 3), 60);
+    const test::Cells store(
+        test::cluster_mesh(*context, test::with_turned_triangles(mesh, 0.5, 3), 60));
     ASSERT_GT(store.codes.size(), 1000U);
     EXPECT_FALSE(store.is_consistently_wound);
 }
 
-TEST(CellStore, IsInMortonOrderAndTheSameForSoups) {
+TEST(CellBlocks, IsInMortonOrderAndTheSameForSoups) {
     const Mesh mesh = test::cube_sphere(40, 0.01);
     const Bounds bounds = test::bounds_of(mesh);
     const auto context = test::make_context();
-    const CellStore indexed = test::cluster_mesh(*context, mesh, 33.3);
+    const test::Cells indexed(test::cluster_mesh(*context, mesh, 33.3));
     EXPECT_TRUE(std::is_sorted(indexed.codes.begin(), indexed.codes.end()));
     EXPECT_EQ(std::adjacent_find(indexed.codes.begin(), indexed.codes.end()), indexed.codes.end());
     BatchSource source(mesh, {.is_soup = true});
     ClusteredMesh soup(*context, source, 33.3, bounds);
-    const CellStore other =
-        build_cell_store(*context, soup.lattice, soup.grid, soup.table, soup.result.triples, 1);
+    const test::Cells other(
+        build_cell_blocks(*context, soup.lattice, soup.grid, soup.table, soup.result.triples, 1));
     EXPECT_EQ(std::vector<std::uint64_t>(indexed.codes.begin(), indexed.codes.end()),
               std::vector<std::uint64_t>(other.codes.begin(), other.codes.end()));
-    EXPECT_EQ(indexed.triangles.size(), other.triangles.size());
+    EXPECT_EQ(indexed.faces.size(), other.faces.size());
     for (std::uint64_t i = 0; i < indexed.cells.size(); ++i) {
         EXPECT_EQ(indexed.cells[i].quadric, other.cells[i].quadric);
-        EXPECT_EQ(indexed.cells[i].id, i);
         for (const float x : indexed.cells[i].mean) {
             EXPECT_LE(std::abs(x), static_cast<float>(CellRecord::kMostOffset));
+        }
+    }
+}
+
+TEST(CellBlocks, AreTheLargestBoxesThatAreSmallEnough) {
+    const auto context = test::make_context();
+    const Mesh mesh = test::joined(test::cube_sphere(40, 0.01), test::two_sheets(30, 0.2));
+    for (const std::uint64_t most : {1U, 7U, 100U, 3000U, 1000000U}) {
+        const test::Cells store(test::cluster_mesh(*context, mesh, 60, 1, most));
+        ASSERT_GE(store.blocks.size(), 2U);
+        EXPECT_EQ(store.blocks.back().first_cell, store.codes.size());
+        EXPECT_EQ(store.blocks.back().first_face, store.faces.size());
+        const auto count_in = [&](std::uint64_t code, unsigned shift) {
+            const auto low = code >> shift << shift;
+            const auto first = std::lower_bound(store.codes.begin(), store.codes.end(), low);
+            return std::lower_bound(first, store.codes.end(), low + (std::uint64_t{1} << shift)) -
+                   first;
+        };
+        for (std::size_t b = 0; b + 1 < store.blocks.size(); ++b) {
+            const CellBlocks::Block& block = store.blocks[b];
+            const std::uint64_t n = store.blocks[b + 1].first_cell - block.first_cell;
+            ASSERT_GT(n, 0U);
+            ASSERT_LE(n, most);
+            ASSERT_EQ(static_cast<std::uint64_t>(count_in(block.box.code, block.box.shift)), n);
+            ASSERT_TRUE(block.box.shift == 63 || static_cast<std::uint64_t>(count_in(
+                                                     block.box.code, block.box.shift + 3)) > most);
+            for (std::uint64_t f = block.first_face; f < store.blocks[b + 1].first_face; ++f) {
+                const std::uint32_t median = median_corner(store.faces[f]);
+                ASSERT_TRUE(median >= block.first_cell && median < block.first_cell + n);
+            }
         }
     }
 }

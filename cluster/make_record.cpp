@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#include "cluster/make_record.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hewer::cluster {
+
+namespace {
+
+// More border cells than this share: neighbouring triangles disagree about their winding, and the
+// sums that should cancel do not.
+constexpr double kMostBorderCells = 0.5;
+constexpr std::uint64_t kLeastCellsToJudge = 1000;
+constexpr double kVertexNormalScale = 1 << 20;
+
+/// The squared distance to the border line through the cell, weighted with the squared length of
+/// its chord: |x X E - M|^2 with chord E and moment M = p X E.
+Quadric border_quadric(const CellSums& sums, const FixedPoint& fixed) {
+    // Every border edge was seen from both of its ends: half of the sum is the chord.
+    const double unit = std::ldexp(0.5, -static_cast<int>(fixed.border_bits));
+    const auto value = [&](std::size_t i) {
+        return static_cast<double>(static_cast<std::int32_t>(sums.border[i]));
+    };
+    const Vec3 e{value(0) * unit, value(1) * unit, value(2) * unit};
+    const double unit_moment = unit * std::ldexp(1.0, -static_cast<int>(fixed.border_bits));
+    const Vec3 m{value(3) * unit_moment, value(4) * unit_moment, value(5) * unit_moment};
+    const double ee = dot(e, e);
+    Quadric q;
+    if (!(ee > 0)) return q;  // a hole inside one cell: nothing to hold on to
+    q.a = {ee - e[0] * e[0], -e[0] * e[1], -e[0] * e[2],
+           ee - e[1] * e[1], -e[1] * e[2], ee - e[2] * e[2]};
+    q.b = -1.0 * cross(e, m);
+    q.c = dot(m, m);
+    return q;
+}
+
+}  // namespace
+
+bool has_border(const CellSums& sums) {
+    return std::any_of(sums.border.begin(), sums.border.end(),
+                       [](std::uint32_t x) { return x != 0; });
+}
+
+bool is_border_implausible(std::uint64_t n_border_cells, std::uint64_t n_cells) {
+    return n_cells >= kLeastCellsToJudge &&
+           static_cast<double>(n_border_cells) > kMostBorderCells * static_cast<double>(n_cells);
+}
+
+CellRecord make_record(const CellSums& sums, const FixedPoint& fixed, double border_weight) {
+    const double unit = 1 / fixed.scale;
+    const auto value = [&](std::size_t i) { return static_cast<double>(sums.surface[i]) * unit; };
+    Quadric q;
+    for (std::size_t i = 0; i < 6; ++i) q.a[i] = value(i);
+    for (std::size_t i = 0; i < 3; ++i) q.b[i] = value(6 + i);
+    q.c = value(9);
+    const double area = q.trace();
+    Vec3 mean{};
+    if (area > 0) {
+        for (std::size_t i = 0; i < 3; ++i) {
+            mean[i] =
+                std::clamp(value(10 + i) / area, -CellRecord::kMostOffset, CellRecord::kMostOffset);
+        }
+    }
+    CellRecord record{};
+    record.flags = has_border(sums) ? CellRecord::kHasBorder : 0;
+    if (record.flags != 0 && border_weight > 0) {
+        const Quadric border = border_quadric(sums, fixed);
+        for (std::size_t i = 0; i < 6; ++i) q.a[i] += border_weight * border.a[i];
+        for (std::size_t i = 0; i < 3; ++i) q.b[i] += border_weight * border.b[i];
+        q.c += border_weight * border.c;
+    }
+    q = q.relative_to(mean);
+    for (std::size_t i = 0; i < 6; ++i) record.quadric[i] = static_cast<float>(q.a[i]);
+    for (std::size_t i = 0; i < 3; ++i) record.quadric[6 + i] = static_cast<float>(q.b[i]);
+    record.quadric[9] = static_cast<float>(std::max(0.0, q.c));
+    for (std::size_t i = 0; i < 3; ++i) record.mean[i] = static_cast<float>(mean[i]);
+    record.area = static_cast<float>(area);
+    return record;
+}
+
+CellAttributes make_attributes(const AttributeSums& sums, const FixedPoint& fixed) {
+    CellAttributes a{};
+    for (std::size_t i = 0; i < 3; ++i) {
+        a.normal[i] = static_cast<float>(static_cast<double>(sums.normal[i]) / kVertexNormalScale);
+        a.face_normal[i] =
+            static_cast<float>(static_cast<double>(sums.face_normal[i]) / fixed.scale);
+    }
+    for (std::size_t i = 0; i < 4; ++i) a.color[i] = static_cast<float>(sums.color[i]);
+    a.n_colors = static_cast<float>(sums.n_colors);
+    return a;
+}
+
+}  // namespace hewer::cluster

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+/// From the integer sums of a cell to what the refinement works on.
+#pragma once
+
+#include <cstdint>
+
+#include "cluster/cell_record.h"
+#include "cluster/cell_sums.h"
+
+namespace hewer::cluster {
+
+/// Border edges that do not cancel.
+bool has_border(const CellSums& sums);
+
+/// More cells with a border than a surface has: neighbouring triangles disagree about their
+/// winding, and the sums that should cancel do not.
+bool is_border_implausible(std::uint64_t n_border_cells, std::uint64_t n_cells);
+
+/// The mean is relative to the cell's centre; id and flags but kHasBorder are not set.
+CellRecord make_record(const CellSums& sums, const FixedPoint& fixed, double border_weight);
+
+CellAttributes make_attributes(const AttributeSums& sums, const FixedPoint& fixed);
+
+}  // namespace hewer::cluster
