@@ -124,7 +124,9 @@ OptionSpec{"memory", "--memory", "SIZE", T::Bytes, kReaders, "bytes", "=the cont
 OptionSpec{"threads", "--threads", "N", T::Count, kReaders | kGenerate, "", "=all of the machine", 1, kMostThreads, "", kResources, false,
     "Threads that work at once. Does not change the result."},
 OptionSpec{"temp_dir", "--temp-dir", "DIR", T::Path, kTargets, "", "=TMPDIR, else /tmp", 0, 0, "", kResources, false,
-    "Folder for temporary files."},
+    "Folder for temporary files, which are made when memory runs short."},
+OptionSpec{"max_temp", "--max-temp", "SIZE", T::Bytes, kTargets, "bytes", "=no limit", 1, 0x1p62, "", kResources, false,
+    "Most disk space that temporary files may take."},
 
 OptionSpec{"report", "--report", "FILE", T::Path, kSimplify | kMeasure, "", "", 0, 0, "", kOutput, false,
     "Write all figures of the run as JSON."},

@@ -115,6 +115,8 @@ Json to_value(const StageReport& r) {
             {"seconds", r.seconds},
             {"bytes_read", r.bytes_read},
             {"bytes_written", r.bytes_written},
+            {"temp_bytes_read", r.temp_bytes_read},
+            {"temp_bytes_written", r.temp_bytes_written},
             {"peak_budget_bytes", r.peak_budget_bytes},
             {"peak_resident_bytes", r.peak_resident_bytes}};
 }
@@ -195,6 +197,9 @@ std::string to_json(const SimplifyReport& r, const Arguments& arguments) {
                  {"seconds", r.seconds},
                  {"bytes_read", r.bytes_read},
                  {"bytes_written", r.bytes_written},
+                 {"temp_bytes_read", r.temp_bytes_read},
+                 {"temp_bytes_written", r.temp_bytes_written},
+                 {"peak_temp_bytes", r.peak_temp_bytes},
                  {"peak_budget_bytes", r.peak_budget_bytes},
                  {"peak_resident_bytes", r.peak_resident_bytes},
                  {"result_hash", r.result_hash}});

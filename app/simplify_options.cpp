@@ -86,6 +86,9 @@ SimplifyOptions make_simplify_options(const Arguments& arguments) {
         throw InvalidArgument("--temp-dir: " + options.temp_dir.string() +
                               " is not a folder that exists");
     }
+    if (arguments.is_given("max_temp")) {
+        options.max_temp_bytes = arguments.get<std::uint64_t>("max_temp");
+    }
     return options;
 }
 

@@ -89,7 +89,8 @@ DistanceReport distance(ooc::Context& context, const char* stage, const Side& fr
 // ResidentSurface), both resident; a soup has 36 bytes a triangle for its corners instead.
 MeasureReport measure(MeshSource& original, MeshSource& simplified, const MeasureOptions& options,
                       const Hooks& hooks) {
-    ooc::Context context(options.memory_bytes, options.n_threads, hooks,
+    ooc::Context context({.memory_bytes = options.memory_bytes, .n_threads = options.n_threads},
+                         hooks,
                          {{"scan", 1}, {"load", 2}, {"index", 4}, {"forward", 8}, {"backward", 2}});
     const std::uint64_t n_elements = original.info().n_faces + original.info().n_vertices +
                                      simplified.info().n_faces + simplified.info().n_vertices;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <new>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <type_traits>
@@ -34,6 +35,16 @@ class Array {
         : reservation_(budget.reserve(what, size * sizeof(T))),
           data_(static_cast<T*>(map_pages(size * sizeof(T)))),
           size_(size) {}
+    /// Nothing if that much memory is not free.
+    static std::optional<Array> try_make(MemoryBudget& budget, std::uint64_t size) {
+        auto reservation = budget.try_reserve(size * sizeof(T));
+        if (!reservation) return std::nullopt;
+        Array array;
+        array.reservation_ = std::move(*reservation);
+        array.data_ = static_cast<T*>(map_pages(size * sizeof(T)));
+        array.size_ = size;
+        return array;
+    }
     Array(const Array&) = delete;
     Array& operator=(const Array&) = delete;
     Array(Array&& other) noexcept

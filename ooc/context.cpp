@@ -2,6 +2,7 @@
 #include "ooc/context.h"
 
 #include <algorithm>
+#include <bit>
 #include <thread>
 #include <utility>
 
@@ -11,16 +12,26 @@
 namespace hewer::ooc {
 
 namespace {
+// Some twenty spools are open at once, each with a page at its end that stays in memory.
+constexpr std::uint64_t kPagesInMemory = 512;
+constexpr std::uint64_t kLeastPageBytes = 64 << 10;
+constexpr std::uint64_t kMostPageBytes = 1 << 20;
 constexpr std::int64_t kReportIntervalNs = 100'000'000;
 // A guess at the time left from less than this says nothing.
 constexpr double kLeastFractionForEta = 0.02;
 }  // namespace
 
-Context::Context(std::uint64_t memory_bytes, unsigned n_threads, Hooks hooks,
-                 std::vector<StageWeight> stages)
+Context::Context(const ResourceLimits& limits, Hooks hooks, std::vector<StageWeight> stages)
     : hooks_(std::move(hooks)),
-      n_threads_(n_threads != 0 ? n_threads : std::max(1U, std::thread::hardware_concurrency())),
-      budget_(memory_bytes != 0 ? memory_bytes : default_memory_limit()),
+      n_threads_(limits.n_threads != 0 ? limits.n_threads
+                                       : std::max(1U, std::thread::hardware_concurrency())),
+      budget_(limits.memory_bytes != 0 ? limits.memory_bytes : default_memory_limit()),
+      page_bytes_(limits.page_bytes != 0
+                      ? limits.page_bytes
+                      : std::clamp(std::bit_floor(budget_.limit() / kPagesInMemory),
+                                   kLeastPageBytes, kMostPageBytes)),
+      spill_(limits.temp_dir, limits.max_temp_bytes),
+      evictor_(budget_),
       workers_(std::make_unique<Workers>(n_threads_)),
       stages_(std::move(stages)),
       start_(std::chrono::steady_clock::now()) {

@@ -12,10 +12,21 @@
 
 #include "hewer/progress.h"
 #include "ooc/memory_budget.h"
+#include "ooc/page_evictor.h"
+#include "ooc/spill.h"
 
 namespace hewer::ooc {
 
 class Workers;
+
+/// What a run may use. Nothing in here changes its result.
+struct ResourceLimits {
+    std::uint64_t memory_bytes = 0;    ///< 0: default_memory_limit()
+    unsigned n_threads = 0;            ///< 0: as many as the machine has
+    std::filesystem::path temp_dir{};  ///< empty: TMPDIR, else /tmp
+    std::uint64_t max_temp_bytes = 0;  ///< 0: no limit
+    std::uint64_t page_bytes = 0;      ///< of spools; 0: by the memory limit
+};
 
 /// A stage of a run, for progress: its name and its expected share of the time.
 struct StageWeight {
@@ -27,15 +38,17 @@ struct StageWeight {
 /// caller's thread, never twice at once, at most ten times a second.
 class Context {
   public:
-    /// n_threads 0: as many as the machine has. memory_bytes 0: default_memory_limit().
-    Context(std::uint64_t memory_bytes, unsigned n_threads, Hooks hooks,
-            std::vector<StageWeight> stages = {});
+    /// Throws IoError if limits.temp_dir is named and cannot be used.
+    explicit Context(const ResourceLimits& limits, Hooks hooks = {},
+                     std::vector<StageWeight> stages = {});
     ~Context();
     Context(const Context&) = delete;
     Context& operator=(const Context&) = delete;
 
     MemoryBudget& budget() { return budget_; }
     Workers& workers() { return *workers_; }
+    SpillSpace& spill() { return spill_; }
+    PageEvictor& evictor() { return evictor_; }
     [[nodiscard]] unsigned n_threads() const { return n_threads_; }
     /// Of the spools of this run. Changes nothing but speed.
     [[nodiscard]] std::uint64_t page_bytes() const { return page_bytes_; }
@@ -58,8 +71,10 @@ class Context {
 
     Hooks hooks_;
     unsigned n_threads_;
-    std::uint64_t page_bytes_ = 1 << 20;
     MemoryBudget budget_;
+    std::uint64_t page_bytes_;
+    SpillSpace spill_;
+    PageEvictor evictor_;
     std::unique_ptr<Workers> workers_;
     std::vector<StageWeight> stages_;
     std::vector<std::string> warnings_;

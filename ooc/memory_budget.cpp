@@ -51,7 +51,9 @@ std::optional<Reservation> MemoryBudget::try_reserve(std::uint64_t bytes) {
 }
 
 Reservation MemoryBudget::reserve(std::string_view what, std::uint64_t bytes) {
-    if (auto reservation = try_reserve(bytes)) return std::move(*reservation);
+    do {
+        if (auto reservation = try_reserve(bytes)) return std::move(*reservation);
+    } while (bytes <= limit_ && reclaim_ && reclaim_(bytes));
     const std::uint64_t in_use = used();
     const bool overflows = bytes > std::numeric_limits<std::uint64_t>::max() - in_use;
     throw OutOfMemoryBudget(

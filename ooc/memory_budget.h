@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -41,11 +42,18 @@ class MemoryBudget {
     /// code, stacks, libraries.
     explicit MemoryBudget(std::uint64_t limit, std::uint64_t fixed = kFixedBytes);
 
-    /// Throws OutOfMemoryBudget, naming `what`, the bytes asked, used and the limit.
+    /// What does not fit makes the reclaimer free memory first. Throws OutOfMemoryBudget, naming
+    /// `what`, the bytes asked, used and the limit.
     Reservation reserve(std::string_view what, std::uint64_t bytes);
 
     /// For memory that only saves time: nothing if it is not free.
     std::optional<Reservation> try_reserve(std::uint64_t bytes);
+
+    /// Called with the bytes that a reservation lacks; false if it can free nothing. Set by the
+    /// owner, before threads reserve.
+    void set_reclaimer(std::function<bool(std::uint64_t)> reclaim) {
+        reclaim_ = std::move(reclaim);
+    }
 
     [[nodiscard]] std::uint64_t limit() const { return limit_; }
     [[nodiscard]] std::uint64_t used() const { return used_.load(std::memory_order_relaxed); }
@@ -63,6 +71,7 @@ class MemoryBudget {
     std::uint64_t limit_;
     std::atomic<std::uint64_t> used_;
     std::atomic<std::uint64_t> peak_;
+    std::function<bool(std::uint64_t)> reclaim_;
 };
 
 /// The limit that applies when the user names none: the tightest memory limit of the control groups

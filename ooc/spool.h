@@ -24,7 +24,7 @@ namespace hewer::ooc {
 ///
 /// Thread-safety: append() by one thread at a time, read() by any number, also during append() (of
 /// records that are there already). Throws: OutOfDiskBudget if temporary space is used up, IoError
-/// if a page does not come back as it was written, OutOfMemoryBudget never on append().
+/// if a page does not come back as it was written, OutOfMemoryBudget if not even one page fits.
 class RawSpool {
   public:
     RawSpool(Context& context, std::string what, std::size_t record_bytes);
@@ -37,6 +37,8 @@ class RawSpool {
     /// Gives back the pages that hold only records before `record`: they will not be read again.
     void discard_before(std::uint64_t record);
     [[nodiscard]] std::uint64_t size() const;
+    /// Of the temporary file; -1 while there is none. For tests that damage it.
+    [[nodiscard]] int spill_descriptor() const;
 
   private:
     struct State;
@@ -70,6 +72,7 @@ class Spool {
     [[nodiscard]] std::uint64_t size() const { return raw_ ? raw_->size() : 0; }
     [[nodiscard]] bool empty() const { return size() == 0; }
     void release() { raw_.reset(); }
+    [[nodiscard]] int spill_descriptor() const { return raw_->spill_descriptor(); }
 
   private:
     std::unique_ptr<RawSpool> raw_;

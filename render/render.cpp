@@ -71,7 +71,7 @@ class Picture {
         : mesh_(mesh),
           options_(options),
           has_paint_(options.use_colors && mesh.info().has_colors),
-          context_(options.memory_bytes, options.n_threads, hooks,
+          context_({.memory_bytes = options.memory_bytes, .n_threads = options.n_threads}, hooks,
                    {{"bounds", 1}, {"vertices", 1}, {"triangles", 4}}) {}
 
     void draw(const std::filesystem::path& png);

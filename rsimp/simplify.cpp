@@ -70,7 +70,12 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
                         const ParentsCallback& parents) {
     const auto start = std::chrono::steady_clock::now();
     check_options(options);
-    ooc::Context context(options.memory_bytes, options.n_threads, hooks, stage_weights());
+    ooc::Context context({.memory_bytes = options.memory_bytes,
+                          .n_threads = options.n_threads,
+                          .temp_dir = options.temp_dir,
+                          .max_temp_bytes = options.max_temp_bytes,
+                          .page_bytes = options.page_bytes},
+                         hooks, stage_weights());
     SimplifyReport report;
     report.version = version();
     report.options = options;
@@ -128,6 +133,9 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
     report.warnings = context.warnings();
     report.bytes_read = source.bytes_read();
     report.peak_budget_bytes = stages.peak_budget_bytes();
+    report.peak_temp_bytes = context.spill().peak();
+    report.temp_bytes_written = context.spill().bytes_written();
+    report.temp_bytes_read = context.spill().bytes_read();
     report.peak_resident_bytes = ooc::peak_resident_bytes();
     report.result_hash = hex(output.hash());
     report.seconds =

@@ -38,6 +38,8 @@ class StageLog {
     std::chrono::steady_clock::time_point start_;
     std::uint64_t read_before_ = 0;
     std::uint64_t written_before_ = 0;
+    std::uint64_t temp_read_before_ = 0;
+    std::uint64_t temp_written_before_ = 0;
 };
 
 }  // namespace hewer::rsimp

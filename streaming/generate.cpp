@@ -154,7 +154,7 @@ class Generator {
         : options_(options),
           grid_(BoxGrid::for_triangles(options.n_triangles)),
           surface_(grid_, options.seed),
-          context_(0, options.n_threads, hooks, stages(options)) {}
+          context_({.n_threads = options.n_threads}, hooks, stages(options)) {}
 
     GenerateReport run(const std::filesystem::path& output);
 

@@ -196,7 +196,8 @@ class Inspector {
 InputReport info(const std::filesystem::path& input, std::uint64_t memory_bytes, unsigned n_threads,
                  const Hooks& hooks) {
     // A face costs about as much to read as two vertices, and there are twice as many.
-    ooc::Context context(memory_bytes, n_threads, hooks, {{"vertices", 1}, {"triangles", 4}});
+    ooc::Context context({.memory_bytes = memory_bytes, .n_threads = n_threads}, hooks,
+                         {{"vertices", 1}, {"triangles", 4}});
     const std::unique_ptr<MeshSource> source = open_mesh(input);
     const SourceInfo& about = source->info();
 

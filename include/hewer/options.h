@@ -64,6 +64,10 @@ struct SimplifyOptions {
     unsigned n_threads = 0;
     /// Where temporary files go. Empty: TMPDIR, else /tmp.
     std::filesystem::path temp_dir;
+    /// Most bytes of temporary files. 0: no limit.
+    std::uint64_t max_temp_bytes = 0;
+    /// Unit in which data goes to temporary files. 0: by the memory limit.
+    std::uint64_t page_bytes = 0;
 };
 
 }  // namespace hewer

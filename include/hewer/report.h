@@ -20,6 +20,8 @@ struct StageReport {
     double seconds = 0;
     std::uint64_t bytes_read = 0;
     std::uint64_t bytes_written = 0;
+    std::uint64_t temp_bytes_read = 0;  ///< of temporary files
+    std::uint64_t temp_bytes_written = 0;
     std::uint64_t peak_budget_bytes = 0;    ///< most that was reserved at once during the stage
     std::uint64_t peak_resident_bytes = 0;  ///< of the process so far, as the system counts it
 };
@@ -89,6 +91,9 @@ struct SimplifyReport {
     double seconds = 0;
     std::uint64_t bytes_read = 0;
     std::uint64_t bytes_written = 0;
+    std::uint64_t temp_bytes_read = 0;
+    std::uint64_t temp_bytes_written = 0;
+    std::uint64_t peak_temp_bytes = 0;  ///< most temporary disk space at once
     std::uint64_t peak_budget_bytes = 0;
     std::uint64_t peak_resident_bytes = 0;
     /// FNV-1a over the vertices and triangles of all LODs: equal for equal results.

@@ -84,7 +84,8 @@ TEST(CliReport, of_simplify_has_all_figures) {
     EXPECT_EQ(keys_of(report),
               (Keys{"version", "command", "options", "input", "grid", "refined_clusters",
                     "collapses", "lods", "stages", "warnings", "seconds", "bytes_read",
-                    "bytes_written", "peak_budget_bytes", "peak_resident_bytes", "result_hash"}));
+                    "bytes_written", "temp_bytes_read", "temp_bytes_written", "peak_temp_bytes",
+                    "peak_budget_bytes", "peak_resident_bytes", "result_hash"}));
     EXPECT_EQ(keys_of(report["input"]), input_keys);
     EXPECT_EQ(keys_of(report["grid"]),
               (Keys{"cell_size", "dimensions", "occupied_cells", "border_cells",
@@ -98,8 +99,9 @@ TEST(CliReport, of_simplify_has_all_figures) {
     EXPECT_LE(lod["triangles"], 500);
     EXPECT_GE(lod["triangles"], 495);
     ASSERT_FALSE(report["stages"].empty());
-    EXPECT_EQ(keys_of(report["stages"][0]), (Keys{"name", "seconds", "bytes_read", "bytes_written",
-                                                  "peak_budget_bytes", "peak_resident_bytes"}));
+    EXPECT_EQ(keys_of(report["stages"][0]),
+              (Keys{"name", "seconds", "bytes_read", "bytes_written", "temp_bytes_read",
+                    "temp_bytes_written", "peak_budget_bytes", "peak_resident_bytes"}));
     EXPECT_EQ(report["options"]["triangles"], 500);
     EXPECT_EQ(report["options"]["ratio"], nullptr);
     EXPECT_EQ(report["options"]["method"], "refine");

@@ -19,7 +19,8 @@ namespace hewer::test {
 
 /// Enough of everything for tests.
 inline std::unique_ptr<ooc::Context> make_context(unsigned n_threads = 2) {
-    return std::make_unique<ooc::Context>(std::uint64_t{4} << 30, n_threads, Hooks{});
+    return std::make_unique<ooc::Context>(
+        ooc::ResourceLimits{.memory_bytes = std::uint64_t{4} << 30, .n_threads = n_threads});
 }
 
 /// A mesh after the pass over its triangles.

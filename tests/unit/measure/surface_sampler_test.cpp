@@ -28,7 +28,7 @@ std::vector<LatticeTriangle> strip(std::int32_t n) {
 
 TEST(SurfaceSampler, GivesEachTriangleItsShare) {
     const std::vector<LatticeTriangle> triangles = strip(3000);
-    ooc::Context context(kMemory, 2, {});
+    ooc::Context context({.memory_bytes = kMemory, .n_threads = 2});
     const SurfaceSampler sampler(context, triangles, 45'000, 1);
     EXPECT_DOUBLE_EQ(sampler.area(), 3000 * 1.5 * 500'000);
     std::vector<int> hits(triangles.size());
@@ -52,7 +52,7 @@ TEST(SurfaceSampler, GivesEachTriangleItsShare) {
 
 TEST(SurfaceSampler, SampleDoesNotDependOnWhereTheWalkBegan) {
     const std::vector<LatticeTriangle> triangles = strip(5000);
-    ooc::Context context(kMemory, 2, {});
+    ooc::Context context({.memory_bytes = kMemory, .n_threads = 2});
     const SurfaceSampler sampler(context, triangles, 7000, 42);
     std::vector<Vec3> whole;
     sampler.for_samples(0, 7000, [&](const Vec3& p, std::uint64_t) { whole.push_back(p); });
@@ -66,7 +66,7 @@ TEST(SurfaceSampler, SampleDoesNotDependOnWhereTheWalkBegan) {
 
 TEST(SurfaceSampler, IsUniformWithinATriangle) {
     const std::vector<LatticeTriangle> triangles{{{{0, 0, 0}, {30'000, 0, 0}, {0, 30'000, 0}}}};
-    ooc::Context context(kMemory, 1, {});
+    ooc::Context context({.memory_bytes = kMemory, .n_threads = 1});
     const SurfaceSampler sampler(context, triangles, 100'000, 9);
     Vec3 mean{};
     int n_near_right_angle = 0;
@@ -81,7 +81,7 @@ TEST(SurfaceSampler, IsUniformWithinATriangle) {
 
 TEST(SurfaceSampler, SeedsGiveDifferentSamples) {
     const std::vector<LatticeTriangle> triangles = strip(10);
-    ooc::Context context(kMemory, 1, {});
+    ooc::Context context({.memory_bytes = kMemory, .n_threads = 1});
     Vec3 first{};
     Vec3 second{};
     SurfaceSampler(context, triangles, 10, 1).for_samples(0, 1, [&](const Vec3& p, std::uint64_t) {
@@ -95,7 +95,7 @@ TEST(SurfaceSampler, SeedsGiveDifferentSamples) {
 
 TEST(SurfaceSampler, SurfaceWithoutAreaHasNoSamples) {
     const std::vector<LatticeTriangle> triangles{{{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}}};
-    ooc::Context context(kMemory, 1, {});
+    ooc::Context context({.memory_bytes = kMemory, .n_threads = 1});
     EXPECT_EQ(SurfaceSampler(context, triangles, 100, 1).n_samples(), 0U);
 }
 

@@ -122,7 +122,7 @@ TEST(TriangleIndex, FindsTheSameDistanceAsBruteForce) {
         for (const std::int32_t size : {1000, 100'000'000}) {
             std::mt19937 random(static_cast<unsigned>(n));
             const std::vector<LatticeTriangle> triangles = random_triangles(random, n, size);
-            ooc::Context context(kMemory, 2, {});
+            ooc::Context context({.memory_bytes = kMemory, .n_threads = 2});
             const TriangleIndex index = make_index(context, triangles);
             std::uint64_t guess = 0;
             for (int i = 0; i < 300; ++i) {
@@ -148,10 +148,10 @@ TEST(TriangleIndex, OrderDependsOnTheSetOfTrianglesAlone) {
     std::mt19937 random(5);
     std::vector<LatticeTriangle> triangles = random_triangles(random, 100'000, 1'000'000);
     for (std::size_t i = 0; i < 500; ++i) triangles[i] = triangles[i + 500];  // ties
-    ooc::Context one(kMemory, 1, {});
+    ooc::Context one({.memory_bytes = kMemory, .n_threads = 1});
     const TriangleIndex first = make_index(one, triangles);
     std::shuffle(triangles.begin(), triangles.end(), random);
-    ooc::Context eight(kMemory, 8, {});
+    ooc::Context eight({.memory_bytes = kMemory, .n_threads = 8});
     const TriangleIndex second = make_index(eight, triangles);
     EXPECT_TRUE(std::equal(first.triangles().begin(), first.triangles().end(),
                            second.triangles().begin(), second.triangles().end()));
@@ -160,7 +160,7 @@ TEST(TriangleIndex, OrderDependsOnTheSetOfTrianglesAlone) {
 TEST(TriangleIndex, TakesTheBytesItStates) {
     std::mt19937 random(7);
     const std::vector<LatticeTriangle> triangles = random_triangles(random, 50'000, 1000);
-    ooc::Context context(kMemory, 2, {});
+    ooc::Context context({.memory_bytes = kMemory, .n_threads = 2});
     const std::uint64_t before = context.budget().used();
     const TriangleIndex index = make_index(context, triangles);
     EXPECT_EQ(context.budget().used() - before, TriangleIndex::bytes(triangles.size()));

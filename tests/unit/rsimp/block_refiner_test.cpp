@@ -195,7 +195,7 @@ TEST(BlockRefiner, NeitherThreadsNorMemoryShow) {
     std::optional<Made> expected;
     for (const unsigned n_threads : {1U, 2U, 8U}) {
         for (const std::uint64_t mib : {4096U, 28U}) {  // with little, no tree is kept
-            ooc::Context context(mib << 20, n_threads, {});
+            ooc::Context context({.memory_bytes = mib << 20, .n_threads = n_threads});
             const CellBlocks cells = test::cluster_mesh(context, mesh, 100, 1, 2000);
             Made clusters(BlockRefiner(context, cells, Priority::Quadric).refine_to_count(3000));
             if (!expected) expected = clusters;
