@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "cluster/accumulate.h"
 
+#include <atomic>
 #include <cmath>
 #include <map>
 #include <mutex>
+#include <optional>
 
 #include "ooc/parallel.h"
 
@@ -14,6 +16,7 @@ std::pair<ooc::Array<CellTriple>, std::uint64_t> TripleList::pop_piece() {
     std::pair<ooc::Array<CellTriple>, std::uint64_t> last{std::move(pieces_.back()), used_};
     pieces_.pop_back();
     used_ = kPiece;
+    if (counter_ != nullptr) counter_->fetch_sub(1, std::memory_order_relaxed);
     return last;
 }
 
@@ -178,12 +181,89 @@ class Accumulator {
     CellContribution run_;
 };
 
+/// Triangles between two looks at the room in the table.
+constexpr std::size_t kAdmitted = 4096;
+
+/// One worker's way from a batch of triangles to corners with cells.
+class CornerFinder {
+  public:
+    CornerFinder(const AccumulateInput& input, CellTable& table) : input_(input), table_(table) {
+        if (input.vertices != nullptr) view_.emplace(*input.vertices);
+    }
+
+    /// All triangles of the batch go to `accumulator`. Returns how many were left out because a
+    /// vertex is not finite.
+    std::uint64_t add_all(const TriangleBatch& batch, Accumulator& accumulator) {
+        std::uint64_t n_left_out = 0;
+        std::array<Corner, 3> t;
+        for (std::size_t k = 0; k < batch.corners.size();) {
+            const std::size_t end = std::min(batch.corners.size(), k + kAdmitted);
+            const CellTable::Admission admission(table_, 3 * (end - k));
+            for (; k < end && !view_->is_full(); ++k) {
+                bool is_usable = true;
+                for (std::size_t c = 0; c < 3; ++c) {
+                    is_usable &= find(batch.corners[k][c], t[c]);
+                }
+                if (is_usable) {
+                    accumulator.add(t);
+                } else {
+                    ++n_left_out;
+                }
+            }
+            // The table may grow or spill now, never under a run.
+            accumulator.flush();
+            view_->release();
+        }
+        for (std::size_t i = 0; i < batch.points.size(); i += kAdmitted) {
+            const std::size_t end = std::min(batch.points.size(), i + kAdmitted);
+            const CellTable::Admission admission(table_, 3 * (end - i));
+            for (std::size_t k = i; k < end; ++k) {
+                for (std::size_t c = 0; c < 3; ++c) t[c] = locate(batch.points[k][c]);
+                accumulator.add(t);
+            }
+            accumulator.flush();
+        }
+        return n_left_out;
+    }
+
+  private:
+    bool find(std::uint64_t vertex, Corner& corner) {
+        const VertexPages::Page& page = view_->page_of(vertex);
+        const std::uint64_t i = vertex & (VertexPages::kPageVertices - 1);
+        // Two workers may look the same vertex up at once: they find the same slot.
+        const std::atomic_ref<std::uint32_t> slot(page.slots[i]);
+        corner.cell = slot.load(std::memory_order_relaxed);
+        if (corner.cell == CellTable::kNone) return false;
+        corner.point = page.points[i];
+        if (corner.cell == VertexPages::kUnknown) {
+            corner.cell = cell_of(corner.point);
+            slot.store(corner.cell, std::memory_order_relaxed);
+        }
+        return true;
+    }
+    Corner locate(const Vec3& p) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (!(p[k] >= input_.bounds.min[k] && p[k] <= input_.bounds.max[k])) {
+                throw_outside_bounds(input_.source, "a triangle");
+            }
+        }
+        const LatticePoint point = input_.lattice.encode(p);
+        return {point, cell_of(point)};
+    }
+    std::uint32_t cell_of(const LatticePoint& point) {
+        return table_.find_or_insert(input_.grid.key(point));
+    }
+
+    const AccumulateInput& input_;
+    CellTable& table_;
+    std::optional<VertexPages::View> view_;
+};
+
 }  // namespace
 
 AccumulateResult accumulate(ooc::Context& context, const AccumulateInput& input, CellTable& table,
-                            bool with_face_normals) {
+                            std::vector<TripleList>& triples, bool with_face_normals) {
     AccumulateResult result;
-    result.triples.resize(context.n_threads());
     std::mutex mutex;
     std::map<std::uint64_t, InputDefects> defects_by_place;
     std::int64_t area_units = 0;
@@ -191,40 +271,11 @@ AccumulateResult accumulate(ooc::Context& context, const AccumulateInput& input,
 
     input.source.begin_triangles();
     context.workers().on_each([&](unsigned worker) {
-        Accumulator accumulator(context, input.grid, table, result.triples[worker],
-                                with_face_normals);
+        Accumulator accumulator(context, input.grid, table, triples[worker], with_face_normals);
+        CornerFinder finder(input, table);
         TriangleBatch batch;
         while (input.source.next_triangles(batch)) {
-            std::array<Corner, 3> t;
-            for (const Triangle& ids : batch.corners) {
-                bool is_usable = true;
-                for (std::size_t i = 0; i < 3; ++i) {
-                    t[i] = {input.vertices.points[ids[i]], input.vertices.cells[ids[i]]};
-                    is_usable &= t[i].cell != CellTable::kNone;
-                }
-                if (is_usable) {
-                    accumulator.add(t);
-                } else {
-                    ++batch.defects.nonfinite_triangles;
-                }
-            }
-            if (!batch.points.empty()) {
-                const CellTable::Admission admission(table, 3 * batch.points.size());
-                for (const auto& points : batch.points) {
-                    for (std::size_t i = 0; i < 3; ++i) {
-                        for (std::size_t k = 0; k < 3; ++k) {
-                            if (!(points[i][k] >= input.bounds.min[k] &&
-                                  points[i][k] <= input.bounds.max[k])) {
-                                throw_outside_bounds(input.source, "a triangle");
-                            }
-                        }
-                        t[i].point = input.lattice.encode(points[i]);
-                        t[i].cell = table.find_or_insert(input.grid.key(t[i].point));
-                    }
-                    accumulator.add(t);
-                }
-                accumulator.flush();  // the table may grow between batches, never under a run
-            }
+            batch.defects.nonfinite_triangles += finder.add_all(batch, accumulator);
             context.advance(batch.n_faces);
             const std::lock_guard lock(mutex);
             const InputDefects& d = batch.defects;
@@ -232,7 +283,6 @@ AccumulateResult accumulate(ooc::Context& context, const AccumulateInput& input,
                 defects_by_place[batch.first_face] = d;
             }
         }
-        accumulator.flush();
         const std::lock_guard lock(mutex);
         result.n_triangles += accumulator.n_triangles;
         n_degenerate += accumulator.n_degenerate;

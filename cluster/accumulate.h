@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <vector>
 
@@ -11,7 +12,7 @@
 #include "cluster/cell_table.h"
 #include "cluster/lattice.h"
 #include "cluster/uniform_grid.h"
-#include "cluster/vertex_store.h"
+#include "cluster/vertex_pages.h"
 #include "hewer/mesh_source.h"
 #include "ooc/array.h"
 #include "ooc/context.h"
@@ -21,27 +22,30 @@ namespace hewer::cluster {
 /// A list that grows by pieces and never moves. Memory: 12 bytes a triple.
 class TripleList {
   public:
+    /// `n_pieces`, if given, counts the pieces of several lists.
+    explicit TripleList(std::atomic<std::uint64_t>* n_pieces = nullptr) : counter_(n_pieces) {}
     void push(ooc::MemoryBudget& budget, const CellTriple& triple) {
         if (used_ == kPiece || pieces_.empty()) {
             pieces_.emplace_back(budget, "surviving triangles", kPiece);
             used_ = 0;
+            if (counter_ != nullptr) counter_->fetch_add(1, std::memory_order_relaxed);
         }
         pieces_.back()[used_++] = triple;
     }
     [[nodiscard]] std::uint64_t size() const {
         return pieces_.empty() ? 0 : (pieces_.size() - 1) * kPiece + used_;
     }
+    static constexpr std::uint64_t kPiece = 1 << 13;
     /// Takes the last piece out: (triples, how many of them count). Empty when nothing is left.
     std::pair<ooc::Array<CellTriple>, std::uint64_t> pop_piece();
 
   private:
-    static constexpr std::uint64_t kPiece = 1 << 15;
     std::vector<ooc::Array<CellTriple>> pieces_;
     std::uint64_t used_ = 0;
+    std::atomic<std::uint64_t>* counter_;
 };
 
 struct AccumulateResult {
-    std::vector<TripleList> triples;  ///< one per worker; order means nothing
     InputDefects defects;
     std::uint64_t n_triangles = 0;
     double area = 0;  ///< square model units
@@ -52,8 +56,8 @@ struct AccumulateInput {
     MeshSource& source;
     const Lattice& lattice;
     const UniformGrid& grid;
-    const VertexStore& vertices;  ///< empty for a soup
-    const Bounds& bounds;         ///< checked for soups
+    VertexPages* vertices;  ///< null for a soup
+    const Bounds& bounds;   ///< checked for soups
 };
 
 /// Per triangle: its plane, weighted by a third of its area, goes to the cell of each corner (a
@@ -64,7 +68,8 @@ struct AccumulateInput {
 /// One pass, all workers. Unlike the paper: area instead of area-squared weights, border sums,
 /// exact integer sums, and duplicates are left to the consumer of the triples. Throws: what the
 /// source throws, OutOfMemoryBudget, Cancelled.
+/// `triples` has a list for each worker; they may be taken away when the table spills.
 AccumulateResult accumulate(ooc::Context& context, const AccumulateInput& input, CellTable& table,
-                            bool with_face_normals);
+                            std::vector<TripleList>& triples, bool with_face_normals);
 
 }  // namespace hewer::cluster

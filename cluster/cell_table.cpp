@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "cluster/cell_table.h"
 
+#include <algorithm>
 #include <bit>
 #include <mutex>
+#include <type_traits>
 #include <utility>
 
 #include "hewer/error.h"
@@ -63,6 +65,52 @@ void CellTable::ensure_room(std::uint64_t n_cells) {
     }
 }
 
+void CellTable::release() {
+    release_index();
+    sums_.clear();
+    attributes_.clear();
+    size_ = 0;
+}
+
+void CellTable::clear() {
+    std::fill(keys_.begin(), keys_.end(), 0);
+    std::fill(ids_.begin(), ids_.end(), 0);
+    const auto zero = [&](auto& chunks) {
+        std::uint64_t left = size();
+        for (auto& chunk : chunks) {
+            const std::uint64_t n = std::min<std::uint64_t>(left, kChunk);
+            std::fill(chunk.begin(), chunk.begin() + n,
+                      typename std::remove_reference_t<decltype(chunk[0])>{});
+            left -= n;
+        }
+    };
+    zero(sums_);
+    zero(attributes_);
+    size_ = 0;
+    epoch_.fetch_add(1, std::memory_order_release);
+}
+
+/// Nobody is admitted.
+void CellTable::make_room(std::uint64_t n) {
+    const bool is_overdue = overflow_.is_overdue && overflow_.is_overdue();
+    const bool may_spill = overflow_.spill && size() > 0;
+    if (may_spill && (is_overdue || size() + 2 * n > overflow_.most_cells)) {
+        overflow_.spill();
+        clear();
+        return;
+    }
+    // Twice the room, so that growing stays rare.
+    if (has_room(size() + 2 * n)) return;
+    try {
+        ensure_room(
+            std::max(size() + 2 * n, std::min(size() + size() / 4 + 4 * n, overflow_.most_cells)));
+    } catch (const OutOfMemoryBudget&) {
+        if (!may_spill) throw;
+        overflow_.spill();
+        clear();
+    }
+}
+
 void CellTable::release_index() {
     keys_.release();
     ids_.release();
@@ -73,17 +121,18 @@ CellTable::Admission::Admission(CellTable& table, std::uint64_t n) : table_(tabl
         {
             std::shared_lock lock(table.mutex_);
             const std::uint64_t admitted = table.admitted_.fetch_add(n) + n;
-            if (table.has_room(table.size() + admitted)) {
+            const std::uint64_t wanted = table.size() + admitted;
+            const bool is_overdue =
+                table.overflow_.is_overdue && table.size() > 0 && table.overflow_.is_overdue();
+            const bool is_full = wanted > table.overflow_.most_cells && table.size() > 0;
+            if (!is_overdue && !is_full && table.has_room(wanted)) {
                 lock_ = std::move(lock);
                 return;
             }
             table.admitted_.fetch_sub(n);
         }
         const std::unique_lock lock(table.mutex_);
-        // Nobody else is admitted now. Twice the room, so that growing stays rare.
-        if (!table.has_room(table.size() + 2 * n)) {
-            table.ensure_room(table.size() + table.size() / 4 + 4 * n);
-        }
+        table.make_room(n);
     }
 }
 

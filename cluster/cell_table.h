@@ -4,7 +4,9 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <shared_mutex>
+#include <utility>
 #include <vector>
 
 #include "cluster/cell_sums.h"
@@ -17,6 +19,9 @@ namespace hewer::cluster {
 /// A concurrent hash table from cell keys to slots 0, 1, 2, ..., and the sums of each slot. Which
 /// slot a key gets depends on the threads' timing: nothing may be derived from slot numbers.
 ///
+/// When it holds `most_cells`, or cannot grow, it is spilled: the owner's function takes what is in
+/// it, and it begins again, empty, in a new epoch in which slots of the one before mean nothing.
+///
 /// Memory: 136 bytes a cell for the sums (88 more with attributes), 17 to 34 for the table, in
 /// steps of kChunk cells; while it grows the old table is held as well.
 class CellTable {
@@ -24,6 +29,16 @@ class CellTable {
     static constexpr std::uint32_t kNone = 0xffffffffU;
 
     CellTable(ooc::Context& context, std::uint64_t expected_cells, bool has_attributes);
+
+    /// `spill` is called with nobody admitted; afterwards the table is cleared. `is_overdue`: other
+    /// reasons to spill; cheap, called by any thread.
+    struct Overflow {
+        std::uint64_t most_cells = kNone;
+        std::function<void()> spill;
+        std::function<bool()> is_overdue;
+    };
+    void set_overflow(Overflow overflow) { overflow_ = std::move(overflow); }
+    [[nodiscard]] std::uint64_t epoch() const { return epoch_.load(std::memory_order_acquire); }
 
     /// Room for `n` new cells: call before a batch of find_or_insert() and keep the result until
     /// the batch is over; the table does not move meanwhile.
@@ -59,6 +74,8 @@ class CellTable {
     }
     /// Frees the hash table; the sums stay.
     void release_index();
+    /// Frees everything.
+    void release();
 
   private:
     static constexpr unsigned kChunkBits = 14;
@@ -66,6 +83,8 @@ class CellTable {
     static constexpr std::uint32_t kChunkMask = kChunk - 1;
 
     void ensure_room(std::uint64_t n_cells);
+    void make_room(std::uint64_t n);
+    void clear();
     [[nodiscard]] bool has_room(std::uint64_t n_cells) const;
 
     ooc::Context& context_;
@@ -78,6 +97,8 @@ class CellTable {
     ooc::Array<std::uint32_t> ids_;
     std::vector<ooc::Array<CellSums>> sums_;
     std::vector<ooc::Array<AttributeSums>> attributes_;
+    Overflow overflow_;
+    std::atomic<std::uint64_t> epoch_{0};
 };
 
 }  // namespace hewer::cluster

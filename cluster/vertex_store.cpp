@@ -7,6 +7,7 @@
 #include <mutex>
 #include <vector>
 
+#include "cluster/vertex_pages.h"
 #include "hewer/error.h"
 #include "ooc/parallel.h"
 
@@ -99,6 +100,7 @@ VertexStore load_float_vertices(ooc::Context& context, MeshSource& source, Input
                     continue;
                 }
                 local.extend(p);
+                store.cells[v] = VertexPages::kUnknown;
                 for (std::size_t k = 0; k < 3; ++k) {
                     store.points[v][k] = std::bit_cast<std::uint32_t>(static_cast<float>(p[k]));
                 }
@@ -144,6 +146,7 @@ VertexStore load_vertices(ooc::Context& context, MeshSource& source, const Bound
                 const std::uint64_t v = batch.first + i;
                 if (is_inside(bounds, p)) {
                     store.points[v] = lattice.encode(p);
+                    store.cells[v] = VertexPages::kUnknown;
                 } else if (is_finite(p)) {
                     throw_outside_bounds(source, "vertex " + std::to_string(v));
                 } else {
@@ -156,38 +159,45 @@ VertexStore load_vertices(ooc::Context& context, MeshSource& source, const Bound
     return store;
 }
 
-void assign_cells(ooc::Context& context, VertexStore& vertices, const UniformGrid& grid,
-                  CellTable& table) {
-    constexpr std::uint64_t kGrain = 8192;
-    context.workers().for_ranges(vertices.points.size(), kGrain,
-                                 [&](std::uint64_t begin, std::uint64_t end) {
-                                     const CellTable::Admission admission(table, end - begin);
-                                     CellKey last_key = ~0ULL;  // no key: keys have 63 bits
-                                     std::uint32_t last_slot = 0;
-                                     for (std::uint64_t v = begin; v < end; ++v) {
-                                         if (!vertices.is_finite(v)) continue;
-                                         const CellKey key = grid.key(vertices.points[v]);
-                                         if (key != last_key) {
-                                             last_key = key;
-                                             last_slot = table.find_or_insert(key);
-                                         }
-                                         vertices.cells[v] = last_slot;
-                                     }
-                                     context.advance(end - begin);
-                                 });
+ooc::Spool<LatticePoint> spool_vertices(ooc::Context& context, MeshSource& source,
+                                        const Bounds& bounds, const Lattice& lattice) {
+    ooc::Spool<LatticePoint> spool(context, "vertices");
+    source.begin_vertices();
+    VertexBatch batch;
+    std::vector<LatticePoint> points;
+    // One thread: batches have to come in order. Sources that cannot seek are slow to parse anyway.
+    while (source.next_vertices(batch)) {
+        points.clear();
+        for (std::uint64_t i = 0; i < batch.positions.size(); ++i) {
+            const Vec3& p = batch.positions[i];
+            if (is_inside(bounds, p)) {
+                points.push_back(lattice.encode(p));
+            } else if (is_finite(p)) {
+                throw_outside_bounds(source, "vertex " + std::to_string(batch.first + i));
+            } else {
+                points.push_back(VertexPages::kNotFinite);
+            }
+        }
+        spool.append(points);
+        context.advance(batch.positions.size());
+    }
+    return spool;
 }
 
-void add_vertex_attributes(ooc::Context& context, MeshSource& source, const VertexStore& vertices,
-                           CellTable& table) {
+void add_vertex_attributes(ooc::Context& context, MeshSource& source, const Lattice& lattice,
+                           const UniformGrid& grid, CellTable& table) {
     const bool is_shared = context.n_threads() > 1;
     source.begin_vertices();
     context.workers().on_each([&](unsigned) {
         VertexBatch batch;
         while (source.next_vertices(batch)) {
+            const CellTable::Admission admission(table, batch.positions.size());
+            CellKey last_key = ~0ULL;  // no key: keys have 63 bits
+            std::uint32_t slot = 0;
             for (std::uint64_t i = 0; i < batch.positions.size(); ++i) {
-                const std::uint64_t v = batch.first + i;
-                if (!vertices.is_finite(v)) continue;
-                const std::uint32_t slot = vertices.cells[v];
+                if (!is_finite(batch.positions[i])) continue;
+                const CellKey key = grid.key(lattice.encode(batch.positions[i]));
+                if (key != last_key) slot = table.find_or_insert(last_key = key);
                 AttributeSums& sums = table.attributes(slot);
                 std::uint32_t unshared = 0;
                 const FieldLock lock(is_shared ? table.sums(slot).lock : unshared);

@@ -10,6 +10,7 @@
 #include "hewer/mesh_source.h"
 #include "ooc/array.h"
 #include "ooc/context.h"
+#include "ooc/spool.h"
 
 namespace hewer::cluster {
 
@@ -21,7 +22,7 @@ Bounds scan_bounds(ooc::Context& context, MeshSource& source, InputDefects& defe
 /// Memory: 16 bytes a vertex.
 struct VertexStore {
     ooc::Array<LatticePoint> points;
-    /// Slot in the CellTable; CellTable::kNone for a vertex with a non-finite coordinate.
+    /// For VertexPages; CellTable::kNone for a vertex with a non-finite coordinate.
     ooc::Array<std::uint32_t> cells;
 
     [[nodiscard]] bool is_finite(std::uint64_t vertex) const {
@@ -41,13 +42,14 @@ VertexStore load_float_vertices(ooc::Context& context, MeshSource& source, Input
 VertexStore load_vertices(ooc::Context& context, MeshSource& source, const Bounds& bounds,
                           const Lattice& lattice);
 
-/// Finds or makes the cell of every vertex; sets VertexStore::cells.
-void assign_cells(ooc::Context& context, VertexStore& vertices, const UniformGrid& grid,
-                  CellTable& table);
+/// The same points on a spool, for a source that cannot seek: VertexPages::kNotFinite for those
+/// that have none. One pass over the vertices.
+ooc::Spool<LatticePoint> spool_vertices(ooc::Context& context, MeshSource& source,
+                                        const Bounds& bounds, const Lattice& lattice);
 
 /// Adds normals and colours of the vertices to their cells: one more pass over the vertices.
-void add_vertex_attributes(ooc::Context& context, MeshSource& source, const VertexStore& vertices,
-                           CellTable& table);
+void add_vertex_attributes(ooc::Context& context, MeshSource& source, const Lattice& lattice,
+                           const UniformGrid& grid, CellTable& table);
 
 /// Throws FormatError naming the source and the box.
 [[noreturn]] void throw_outside_bounds(const MeshSource& source, const std::string& what);

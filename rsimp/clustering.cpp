@@ -2,33 +2,45 @@
 #include "rsimp/clustering.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <mutex>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "cluster/accumulate.h"
+#include "cluster/cell_runs.h"
 #include "cluster/cell_sample.h"
+#include "cluster/vertex_pages.h"
 #include "cluster/vertex_store.h"
 #include "hewer/error.h"
 #include "ooc/parallel.h"
-#include "ooc/units.h"
 #include "rsimp/grid_choice.h"
-#include "rsimp/memory_model.h"
 
 namespace hewer::rsimp {
 
 using cluster::AccumulateResult;
 using cluster::CellBlocks;
+using cluster::CellRuns;
 using cluster::CellSample;
 using cluster::CellTable;
 using cluster::Lattice;
 using cluster::LatticePoint;
+using cluster::TripleList;
 using cluster::UniformGrid;
+using cluster::VertexPages;
 using cluster::VertexStore;
 
 namespace {
 
-// Room for what the sample does not show.
-constexpr double kMemoryMargin = 1.1;
+// Vertices stay in memory if they take no more than this part of it; else a window over them takes
+// so much less. A part is left to the pages of spools, and to batches of input in flight.
+constexpr std::uint64_t kResidentShare = 3;
+constexpr std::uint64_t kWindowShare = 8;
+constexpr std::uint64_t kSpareShare = 16;
+constexpr std::uint64_t kSpareBytes = 6 << 20;
+constexpr std::uint64_t kLeastTableCells = 20'000;
 
 CellSample sample_vertices(ooc::Context& context, const VertexStore& vertices) {
     CellSample sample(vertices.points.size());
@@ -44,6 +56,47 @@ CellSample sample_vertices(ooc::Context& context, const VertexStore& vertices) {
             const std::lock_guard lock(mutex);
             sample.add(chosen);
         });
+    return sample;
+}
+
+/// The same from a pass over the source, which also checks the box.
+CellSample sample_vertices(ooc::Context& context, MeshSource& source, const Lattice& lattice,
+                           const Bounds& bounds) {
+    CellSample sample(source.info().n_vertices);
+    std::mutex mutex;
+    source.begin_vertices();
+    context.workers().on_each([&](unsigned) {
+        VertexBatch batch;
+        std::vector<LatticePoint> chosen;
+        while (source.next_vertices(batch)) {
+            chosen.clear();
+            for (std::uint64_t i = 0; i < batch.positions.size(); ++i) {
+                const Vec3& p = batch.positions[i];
+                if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) continue;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    if (p[k] >= bounds.min[k] && p[k] <= bounds.max[k]) continue;
+                    cluster::throw_outside_bounds(source,
+                                                  "vertex " + std::to_string(batch.first + i));
+                }
+                const LatticePoint q = lattice.encode(p);
+                if (sample.is_chosen(q)) chosen.push_back(q);
+            }
+            context.advance(batch.positions.size());
+            const std::lock_guard lock(mutex);
+            sample.add(chosen);
+        }
+    });
+    return sample;
+}
+
+CellSample sample_vertices(const ooc::Spool<LatticePoint>& points) {
+    CellSample sample(points.size());
+    ooc::SpoolReader<LatticePoint> reader(points);
+    std::vector<LatticePoint> chosen;
+    while (const LatticePoint* p = reader.next()) {
+        if (*p != VertexPages::kNotFinite && sample.is_chosen(*p)) chosen.push_back(*p);
+    }
+    sample.add(chosen);
     return sample;
 }
 
@@ -103,12 +156,18 @@ void warn_of(ooc::Context& context, const MeshSource& source, const InputDefects
     }
 }
 
-/// One try at clustering: the cells of the vertices, then the triangles.
+/// The vertices of an input, in memory or to be read again.
+struct Vertices {
+    bool is_resident = true;
+    VertexStore store;                 // resident
+    ooc::Spool<LatticePoint> spooled;  // else, if the source cannot seek
+};
+
+/// The pass over the triangles, with the cells in a table that is spilled as often as memory needs.
 class Pass {
   public:
     Pass(ooc::Context& context, MeshSource& source, const SimplifyOptions& options,
-         const Lattice& lattice, const Bounds& bounds, VertexStore& vertices,
-         SimplifyReport& report)
+         const Lattice& lattice, const Bounds& bounds, Vertices& vertices, SimplifyReport& report)
         : context_(context),
           source_(source),
           options_(options),
@@ -121,57 +180,84 @@ class Pass {
         const SourceInfo& info = source_.info();
         const bool with_face_normals = options_.priority == SplitPriority::NormalVariation;
         const bool with_attributes = info.has_normals || info.has_colors;
-        CellTable table(context_, static_cast<std::uint64_t>(expected_cells * 1.05) + 1024,
-                        with_face_normals || with_attributes);
-        if (info.is_indexed) {
-            cluster::assign_cells(context_, vertices_, grid, table);
-            if (with_attributes) {
-                cluster::add_vertex_attributes(context_, source_, vertices_, table);
-                ++report_.input.vertex_passes;
-            }
+        const bool has_attributes = with_face_normals || with_attributes;
+        const std::uint64_t window = window_bytes();
+        const std::uint64_t most_cells = most_table_cells(has_attributes, window);
+        const auto expected = static_cast<std::uint64_t>(expected_cells * 1.05) + 1024;
+        CellTable table(context_, std::min(expected, most_cells), has_attributes);
+        std::optional<VertexPages> pages;
+        if (info.is_indexed) make_pages(table, window, pages);
+
+        std::atomic<std::uint64_t> n_pieces{0};
+        std::vector<TripleList> triples;
+        for (unsigned t = 0; t < context_.n_threads(); ++t) triples.emplace_back(&n_pieces);
+        CellRuns runs(context_, has_attributes);
+        const auto most_pieces =
+            context_.n_threads() + static_cast<std::uint64_t>(CellRuns::kTriplesPerCell *
+                                                              static_cast<double>(most_cells)) /
+                                       TripleList::kPiece;
+        table.set_overflow(
+            {most_cells, [&] { runs.add(table, triples); },
+             [&] { return n_pieces.load(std::memory_order_relaxed) > most_pieces; }});
+        if (with_attributes && info.is_indexed) {
+            cluster::add_vertex_attributes(context_, source_, lattice_, grid, table);
+            ++report_.input.vertex_passes;
         }
-        const cluster::AccumulateInput input{source_, lattice_, grid, vertices_, bounds_};
-        result = cluster::accumulate(context_, input, table, with_face_normals);
+        const cluster::AccumulateInput input{source_, lattice_, grid, pages ? &*pages : nullptr,
+                                             bounds_};
+        result = cluster::accumulate(context_, input, table, triples, with_face_normals);
         ++report_.input.triangle_passes;
-        vertices_.points.release();
-        vertices_.cells.release();
-        return cluster::build_cell_blocks(context_, lattice_, grid, table, result.triples,
-                                          options_.border_weight);
+        pages.reset();
+        vertices_ = {};
+        if (runs.empty()) {
+            return cluster::build_cell_blocks(context_, lattice_, grid, table, triples,
+                                              options_.border_weight);
+        }
+        runs.add(table, triples);
+        table.release();
+        return runs.merge(lattice_, grid, options_.border_weight, CellBlocks::kMostCells);
     }
 
   private:
+    [[nodiscard]] std::uint64_t window_bytes() const {
+        if (vertices_.is_resident || !source_.info().is_indexed) return 0;
+        // Triangles at hand may use two places of the file on each thread, at least.
+        const std::uint64_t least = 4 * context_.n_threads();
+        const std::uint64_t wanted =
+            options_.tuning.window_vertices != 0
+                ? options_.tuning.window_vertices / VertexPages::kPageVertices
+                : context_.budget().limit() / kWindowShare / VertexPages::kPageBytes;
+        return std::max(least, wanted) * VertexPages::kPageBytes;
+    }
+    [[nodiscard]] std::uint64_t most_table_cells(bool has_attributes, std::uint64_t window) const {
+        if (options_.tuning.table_cells != 0) return options_.tuning.table_cells;
+        const std::uint64_t taken = context_.budget().limit() / kSpareShare + kSpareBytes + window +
+                                    (vertices_.store.points.size() * 16) +
+                                    ooc::MemoryBudget::kFixedBytes;
+        const std::uint64_t limit = context_.budget().limit();
+        const double left = limit > taken ? static_cast<double>(limit - taken) : 0;
+        return std::clamp<std::uint64_t>(
+            static_cast<std::uint64_t>(left / CellRuns::bytes_per_cell(has_attributes)),
+            kLeastTableCells, CellTable::kNone - 1);
+    }
+    void make_pages(const CellTable& table, std::uint64_t window,
+                    std::optional<VertexPages>& pages) {
+        if (vertices_.is_resident) {
+            pages.emplace(table, vertices_.store);
+        } else {
+            pages.emplace(context_, table, source_, vertices_.spooled, lattice_, bounds_,
+                          window / VertexPages::kPageBytes);
+        }
+    }
+
     ooc::Context& context_;
     MeshSource& source_;
     const SimplifyOptions& options_;
     const Lattice& lattice_;
     const Bounds& bounds_;
-    VertexStore& vertices_;
+    Vertices& vertices_;
     SimplifyReport& report_;
 };
-
-/// Refuses a limit that the run would hit later, with one that will do.
-void check_memory(ooc::Context& context, const SimplifyOptions& options, const SourceInfo& info,
-                  double cells) {
-    MemoryCounts counts;
-    counts.vertices = info.n_vertices;
-    counts.cells = static_cast<std::uint64_t>(kMemoryMargin * cells);
-    counts.surviving_triangles = std::min(info.n_faces, 9 * counts.cells / 4);
-    counts.has_attributes =
-        info.has_normals || info.has_colors || options.priority == SplitPriority::NormalVariation;
-    const double clusters =
-        options.targets.empty()
-            ? 0
-            : kClustersPerVertex * target_vertices(options.targets.front(), info.n_faces);
-    counts.is_refined = options.method != Method::Uniform && clusters > 0 &&
-                        clusters < static_cast<double>(counts.cells);
-    counts.clusters = counts.is_refined ? static_cast<std::uint64_t>(clusters) : counts.cells;
-    const std::uint64_t needed = peak_memory_bytes(counts);
-    if (needed > context.budget().limit()) {
-        throw OutOfMemoryBudget(info.name + ": needs about " + ooc::format_bytes(needed) +
-                                ", the limit is " + ooc::format_bytes(context.budget().limit()) +
-                                "; raise --memory to " + ooc::format_bytes(needed) + " or more");
-    }
-}
 
 }  // namespace
 
@@ -193,16 +279,18 @@ CellBlocks cluster_input(ooc::Context& context, MeshSource& source, const Simpli
     input.has_colors = info.has_colors;
     input.ignored = info.ignored;
 
-    check_memory(context, options, info, cells_expected(options, info.n_faces, info.n_vertices));
-    VertexStore vertices;
+    Vertices vertices;
+    vertices.is_resident = options.tuning.window_vertices == 0 &&
+                           16 * info.n_vertices <= context.budget().limit() / kResidentShare;
     InputDefects found;
     // Float positions can wait in the vertex store until the box is known.
-    const bool is_one_pass = info.is_indexed && !info.has_double_positions && !options.bounds;
+    const bool is_one_pass =
+        info.is_indexed && vertices.is_resident && !info.has_double_positions && !options.bounds;
     if (options.bounds) {
         input.bounds = *options.bounds;
     } else if (is_one_pass) {
         stages.begin("vertices", info.n_vertices, "vertices");
-        vertices = cluster::load_float_vertices(context, source, found, input.bounds);
+        vertices.store = cluster::load_float_vertices(context, source, found, input.bounds);
         ++input.vertex_passes;
     } else {
         stages.begin("bounds", info.is_indexed ? info.n_vertices : info.n_faces,
@@ -218,10 +306,19 @@ CellBlocks cluster_input(ooc::Context& context, MeshSource& source, const Simpli
     if (info.is_indexed) {
         if (!is_one_pass) {
             stages.begin("vertices", info.n_vertices, "vertices");
-            vertices = cluster::load_vertices(context, source, input.bounds, lattice);
             ++input.vertex_passes;
         }
-        sample = sample_vertices(context, vertices);
+        if (vertices.is_resident) {
+            if (!is_one_pass) {
+                vertices.store = cluster::load_vertices(context, source, input.bounds, lattice);
+            }
+            sample = sample_vertices(context, vertices.store);
+        } else if (source.can_seek_vertices()) {
+            sample = sample_vertices(context, source, lattice, input.bounds);
+        } else {
+            vertices.spooled = cluster::spool_vertices(context, source, input.bounds, lattice);
+            sample = sample_vertices(vertices.spooled);
+        }
     } else {
         stages.begin("sample", info.n_faces, "triangles");
         sample = sample_soup(context, source, lattice, input.bounds);
@@ -236,7 +333,6 @@ CellBlocks cluster_input(ooc::Context& context, MeshSource& source, const Simpli
                 grid.resolution() >= 0.99 * sample.separating_resolution() ||
                 grid.resolution() >= 0.99 * UniformGrid::kMaxResolution;
     const double cells = sample.cells_at(grid.resolution());
-    check_memory(context, options, info, cells);
     CellBlocks store = pass.run(grid, cells, result);
     stages.end();
 

@@ -74,7 +74,7 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
                           .n_threads = options.n_threads,
                           .temp_dir = options.temp_dir,
                           .max_temp_bytes = options.max_temp_bytes,
-                          .page_bytes = options.page_bytes},
+                          .page_bytes = options.tuning.page_bytes},
                          hooks, stage_weights());
     SimplifyReport report;
     report.version = version();

@@ -37,6 +37,10 @@ void InputDefects::merge(const InputDefects& other) {
     keep_first(first_out_of_range, other.first_out_of_range);
 }
 
+void MeshSource::read_vertices(std::uint64_t, std::uint64_t, VertexBatch&) {
+    throw InternalError("this source cannot seek");
+}
+
 namespace {
 
 constexpr std::uint64_t kBatch = 16384;
@@ -75,6 +79,12 @@ class MeshView final : public MeshSource {
             }
         }
         return true;
+    }
+
+    [[nodiscard]] bool can_seek_vertices() const override { return true; }
+    void read_vertices(std::uint64_t first, std::uint64_t n, VertexBatch& batch) override {
+        batch.first = first;
+        slice(mesh_.positions, first, first + n, batch.positions);
     }
 
     bool next_triangles(TriangleBatch& batch) override {

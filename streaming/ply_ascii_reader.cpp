@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <utility>
 
+#include "hewer/error.h"
 #include "streaming/number_parser.h"
 #include "streaming/ply_reader.h"
 #include "streaming/ply_source.h"
@@ -47,6 +48,11 @@ class AsciiEncoding {
     }
 
     static RowShape shape(const PlyElement& element) { return RowShape::in_tokens(element); }
+    static bool can_seek(const RowShape&) { return false; }
+    void read_rows(const RowShape&, const Position&, std::uint64_t, std::uint64_t,
+                   TextBlock&) const {
+        throw InternalError("lines of text have no fixed length");
+    }
     /// A character a token, a blank between two.
     static std::uint64_t min_row_bytes(const RowShape& shape) {
         return shape.min_units == 0 ? 0 : 2 * shape.min_units - 1;

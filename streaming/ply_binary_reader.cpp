@@ -2,6 +2,7 @@
 #include <bit>
 #include <utility>
 
+#include "hewer/error.h"
 #include "streaming/ply_face_decoder.h"
 #include "streaming/ply_reader.h"
 #include "streaming/ply_source.h"
@@ -46,6 +47,24 @@ class BinaryEncoding {
     std::unique_ptr<Reader> reader(const RowShape& shape, const Position& start,
                                    std::size_t fan_list) const {
         return std::make_unique<Reader>(file_, n_bytes_read_, shape, swap_, start.offset, fan_list);
+    }
+
+    static bool can_seek(const RowShape& shape) { return shape.lists.empty(); }
+    void read_rows(const RowShape& shape, const Position& start, std::uint64_t first,
+                   std::uint64_t n, BinaryBlock& block) const {
+        block.stride = shape.fixed_units;
+        block.first_row = first;
+        block.n_rows = n;
+        block.offset = start.offset + first * block.stride;
+        block.n_bytes = static_cast<std::size_t>(n) * block.stride;
+        const std::size_t got =
+            file_.read_at(block.offset, block.bytes.room_for(block.n_bytes), block.n_bytes);
+        n_bytes_read_.fetch_add(got, std::memory_order_relaxed);
+        if (got != block.n_bytes) {
+            throw FormatError(file_.path().string() + ": byte " +
+                              std::to_string(block.offset + got) +
+                              ": truncated while it was being read");
+        }
     }
 
     std::uint64_t decode_vertices(const RowShape& shape, BinaryBlock& block,

@@ -30,6 +30,7 @@ namespace hewer::streaming {
 ///   decode_vertices(block, batch)           returns the first non-finite row, or n_rows
 ///   decode_faces(block, batch)              returns FaceFindings
 ///   place(element_shape, block, row)        "byte 1234" or "line 17"
+///   can_seek(shape), read_rows(...)         rows by number, if they are all of one length
 ///
 /// Elements stand one after the other, and where one begins is known only when those before it have
 /// been walked, if they have lists. Each start is remembered once it is known, most often as the
@@ -78,6 +79,18 @@ class PlySource final : public MeshSource {
                                        [&] { return encoding_.place(shape, *block, row); });
         }
         return true;
+    }
+
+    [[nodiscard]] bool can_seek_vertices() const override {
+        return Encoding::can_seek(shapes_[layout_.vertex_element]);
+    }
+    void read_vertices(std::uint64_t first, std::uint64_t n, VertexBatch& batch) override {
+        const auto block = blocks_.lease();
+        const RowShape& shape = shapes_[layout_.vertex_element];
+        encoding_.read_rows(shape, *starts_[layout_.vertex_element], first, n, *block);
+        batch.first = first;
+        batch.defects = {};  // met in the pass before
+        encoding_.decode_vertices(shape, *block, batch);
     }
 
     void begin_triangles() override {

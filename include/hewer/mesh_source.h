@@ -86,6 +86,12 @@ class MeshSource {
     /// Fills `batch` (its storage is reused) and returns true, or returns false at the end.
     virtual bool next_vertices(VertexBatch& batch) = 0;
 
+    /// Whether read_vertices() works: the place of a vertex in the file follows from its number.
+    [[nodiscard]] virtual bool can_seek_vertices() const { return false; }
+    /// The vertices first .. first + n - 1, after a begin_vertices(); n at most 2^14. Any thread,
+    /// at any time.
+    virtual void read_vertices(std::uint64_t first, std::uint64_t n, VertexBatch& batch);
+
     virtual void begin_triangles() = 0;
     virtual bool next_triangles(TriangleBatch& batch) = 0;
 

@@ -66,8 +66,15 @@ struct SimplifyOptions {
     std::filesystem::path temp_dir;
     /// Most bytes of temporary files. 0: no limit.
     std::uint64_t max_temp_bytes = 0;
-    /// Unit in which data goes to temporary files. 0: by the memory limit.
-    std::uint64_t page_bytes = 0;
+
+    /// Sizes that follow from the memory limit where they are 0. For tests that want data to go to
+    /// disk at every turn.
+    struct Tuning {
+        std::uint64_t page_bytes = 0;       ///< unit of temporary files
+        std::uint64_t table_cells = 0;      ///< most cells whose sums are gathered at once
+        std::uint64_t window_vertices = 0;  ///< most input vertices that are held at once
+    };
+    Tuning tuning;
 };
 
 }  // namespace hewer

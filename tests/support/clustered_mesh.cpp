@@ -10,11 +10,14 @@ ClusteredMesh::ClusteredMesh(ooc::Context& context, MeshSource& source, double r
                              const Bounds& bounds)
     : lattice(bounds), grid(resolution), table(context, 16, false) {
     cluster::VertexStore vertices;
+    std::optional<cluster::VertexPages> pages;
     if (source.info().is_indexed) {
         vertices = cluster::load_vertices(context, source, bounds, lattice);
-        cluster::assign_cells(context, vertices, grid, table);
+        pages.emplace(table, vertices);
     }
-    result = cluster::accumulate(context, {source, lattice, grid, vertices, bounds}, table, false);
+    triples.resize(context.n_threads());
+    result = cluster::accumulate(
+        context, {source, lattice, grid, pages ? &*pages : nullptr, bounds}, table, triples, false);
 }
 
 std::map<cluster::CellKey, std::array<std::int64_t, 19>> ClusteredMesh::sums() {
@@ -33,7 +36,7 @@ cluster::CellBlocks cluster_mesh(ooc::Context& context, const Mesh& mesh, double
     const auto source = view_mesh(mesh);
     ClusteredMesh clustered(context, *source, resolution, bounds_of(mesh));
     return cluster::build_cell_blocks(context, clustered.lattice, clustered.grid, clustered.table,
-                                      clustered.result.triples, border_weight, most_cells);
+                                      clustered.triples, border_weight, most_cells);
 }
 
 Cells::Cells(const cluster::CellBlocks& source)

@@ -31,6 +31,7 @@ struct ClusteredMesh {
     cluster::Lattice lattice;
     cluster::UniformGrid grid;
     cluster::CellTable table;
+    std::vector<cluster::TripleList> triples;
     cluster::AccumulateResult result;
 
     /// Integer sums by cell: 13 of the surface, then 6 of the border.

@@ -124,7 +124,7 @@ TEST(Accumulate, AreaAndSurvivorsAreThoseOfTheMesh) {
             survivors += cells.size() == 3 ? 1U : 0U;
         }
         std::uint64_t n = 0;
-        for (const TripleList& list : clustered.result.triples) n += list.size();
+        for (const TripleList& list : clustered.triples) n += list.size();
         EXPECT_EQ(n, survivors);
     }
 }
@@ -207,7 +207,7 @@ TEST(CellBlocks, IsInMortonOrderAndTheSameForSoups) {
     BatchSource source(mesh, {.is_soup = true});
     ClusteredMesh soup(*context, source, 33.3, bounds);
     const test::Cells other(
-        build_cell_blocks(*context, soup.lattice, soup.grid, soup.table, soup.result.triples, 1));
+        build_cell_blocks(*context, soup.lattice, soup.grid, soup.table, soup.triples, 1));
     EXPECT_EQ(std::vector<std::uint64_t>(indexed.codes.begin(), indexed.codes.end()),
               std::vector<std::uint64_t>(other.codes.begin(), other.codes.end()));
     EXPECT_EQ(indexed.faces.size(), other.faces.size());
