@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// The program: parse, run, and turn whatever happens into one sentence and an exit code.
+#include <malloc.h>
+
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -92,6 +94,10 @@ int main(int argc, char** argv) {
     using hewer::app::ExitCode;
     // A file size limit then makes a write fail, with a message, instead of ending the process.
     std::signal(SIGXFSZ, SIG_IGN);
+    // What a block frees goes back to the system at once. Left alone, the allocator learns to keep
+    // ever larger pieces on each thread's heap, and the memory limit would not hold.
+    mallopt(M_MMAP_THRESHOLD, 256 << 10);
+    mallopt(M_TRIM_THRESHOLD, 512 << 10);
     ExitCode code = ExitCode::Internal;
     try {
         code = hewer::app::run_all(argc, argv);

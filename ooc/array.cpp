@@ -7,7 +7,10 @@ namespace hewer::ooc {
 
 namespace {
 // Below this a mapping wastes more in page rounding and system calls than it returns.
-constexpr std::uint64_t kMapThreshold = 256 << 10;
+constexpr std::uint64_t kMapThreshold = 32 << 10;
+// Huge pages of smaller mappings would be shared with their neighbours, and stay when one of them
+// goes.
+constexpr std::uint64_t kHugeThreshold = 8 << 20;
 }  // namespace
 
 void* map_pages(std::uint64_t bytes) {
@@ -20,7 +23,7 @@ void* map_pages(std::uint64_t bytes) {
     void* p = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (p == MAP_FAILED) throw std::bad_alloc();
     // Fewer page faults and TLB misses; a hint that may be refused.
-    (void)::madvise(p, bytes, MADV_HUGEPAGE);
+    if (bytes >= kHugeThreshold) (void)::madvise(p, bytes, MADV_HUGEPAGE);
     return p;
 }
 
