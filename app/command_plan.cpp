@@ -26,9 +26,12 @@ void print_plan(const PlanReport& r) {
     }
     std::cout << "memory     about " << format_bytes(r.memory_bytes) << " of "
               << format_bytes(r.memory_limit_bytes)
-              << (r.fits ? ": fits\n" : ": does not fit; raise --memory\n") << "disk       about "
-              << format_bytes(r.bytes_read) << " read, " << format_bytes(r.bytes_written)
-              << " written, " << format_bytes(r.temp_bytes) << " for temporary files\n"
+              << (r.fits ? ": fits\n"
+                         : ": does not fit; raise --memory to " +
+                               format_bytes(r.least_memory_bytes) + " or more\n")
+              << "disk       about " << format_bytes(r.bytes_read) << " read, "
+              << format_bytes(r.bytes_written) << " written, " << format_bytes(r.temp_bytes)
+              << " for temporary files\n"
               << "time       about " << format_seconds(r.seconds) << '\n';
 }
 

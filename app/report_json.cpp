@@ -236,6 +236,7 @@ std::string to_json(const PlanReport& r, const Arguments& arguments) {
                  {"target_triangles", r.target_triangles},
                  {"memory_bytes", r.memory_bytes},
                  {"memory_limit_bytes", r.memory_limit_bytes},
+                 {"least_memory_bytes", r.least_memory_bytes},
                  {"fits", r.fits},
                  {"temp_bytes", r.temp_bytes},
                  {"bytes_read", r.bytes_read},

@@ -2,20 +2,23 @@
 /// Single records of a spool, for readers that stay near where they have been.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "ooc/spool.h"
 
 namespace hewer::ooc {
 
-/// Keeps the last lines that were asked for, each of kLineBytes, direct-mapped. One thread.
-/// Memory: kLines * kLineBytes, 256 KiB.
+/// Keeps the last lines of records that were asked for, direct-mapped. One thread. The spool's
+/// records must not change any more. Memory: kBytes.
 template <typename T>
 class SpoolCache {
   public:
     static constexpr std::uint64_t kLines = 64;
     static constexpr std::uint64_t kLineBytes = 4096;
+    static constexpr std::uint64_t kBytes = kLines * (kLineBytes + sizeof(std::uint64_t));
 
     explicit SpoolCache(const Spool<T>& spool)
         : spool_(&spool), lines_(kLines, kNone), records_(kLines * kPerLine) {}

@@ -7,7 +7,7 @@
 
 #include "ooc/parallel.h"
 #include "rsimp/edge_collapse.h"
-#include "rsimp/key_selection.h"
+#include "rsimp/step_selection.h"
 
 namespace hewer::rsimp {
 

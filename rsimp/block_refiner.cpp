@@ -4,208 +4,186 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <span>
 #include <utility>
 
-#include "ooc/parallel.h"
-#include "ooc/vec3.h"
-#include "rsimp/block_collapse.h"
-#include "rsimp/key_cut.h"
+#include "rsimp/block_tree.h"
+#include "rsimp/blocks_in_flight.h"
+#include "rsimp/cluster_mesh_builder.h"
+#include "rsimp/key_selection.h"
 
 namespace hewer::rsimp {
 
-using cluster::CellBlocks;
-
 namespace {
 
-// One of so many blocks is grown first, to see how far.
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Every so many blocks are tried first, and this much farther than their share.
 constexpr std::size_t kSampleStride = 8;
-constexpr std::size_t kLeastSample = 4;
-// Of a tree (up to a node for two cells, in a vector that doubles), and of the clusters made of it.
-constexpr std::uint64_t kBytesPerCell = 8 + sizeof(ClusterNode) + sizeof(CollapseVertex) / 2;
-
-std::uint64_t bytes_of_block(const CellBlocks& cells, std::size_t b) {
-    const CellBlocks::Block& first = cells.blocks[b];
-    const CellBlocks::Block& last = cells.blocks[b + 1];
-    const std::uint64_t n = last.first_cell - first.first_cell;
-    return CellBlock::bytes_for(n, last.first_face - first.first_face, !cells.attributes.empty()) +
-           n * kBytesPerCell;
-}
-
-std::size_t most_alive(ooc::Context& context, const CellBlocks& cells) {
-    std::uint64_t most = 0;
-    for (std::size_t b = 0; b < cells.n_blocks(); ++b) {
-        most = std::max(most, bytes_of_block(cells, b));
-    }
-    return most_blocks_alive(context, most);
-}
-
-void add_attributes(BlockClusters& clusters, const CellBlock& block,
-                    const std::vector<std::uint32_t>& ids) {
-    if (block.attributes.empty()) return;
-    cluster::CellAttributes sum{};
-    for (const std::uint32_t id : ids) sum += block.attributes[id];
-    clusters.attributes.push_back(sum);
-}
+constexpr std::size_t kFewestSampled = 4;
+constexpr double kSampleExcess = 1.25;
+// From the threshold that the sample calls for to the first one for all blocks. Keys fall with the
+// square to the cube of the number of clusters: that many splits in excess are cheaper than a sweep
+// more.
+constexpr double kMargin = 0.75;
+constexpr double kExponent = 2.5;
+// No key is below this part of the largest, but for rounding.
+constexpr double kLeastKey = 1e-24;
 
 }  // namespace
 
-struct BlockRefiner::Grown {
-    ooc::Reservation bytes;
-    ClusterTree tree;
-};
-
-BlockRefiner::BlockRefiner(ooc::Context& context, const CellBlocks& cells, Priority priority)
-    : context_(context),
-      cells_(cells),
-      priority_(priority),
-      n_alive_(most_alive(context, cells)),
-      kept_(cells.n_blocks()) {}
-
-BlockRefiner::~BlockRefiner() = default;
-
-std::uint64_t BlockRefiner::bytes_for(std::size_t b) const {
-    return bytes_of_block(cells_, b);
+BlockRefiner::Cuts::Cuts(ooc::Context& context)
+    : order(context, "cut cells"), begins(context, "cut clusters"), keys(context, "cut keys") {
+    blocks.emplace_back();
 }
 
-/// The tree of a block, grown down to the threshold at least.
-std::unique_ptr<BlockRefiner::Grown> BlockRefiner::take(std::size_t b, double threshold) {
-    std::unique_ptr<Grown> grown = std::move(kept_[b]);
-    if (!grown) {
-        ooc::Reservation bytes = context_.budget().reserve("a block of cells", bytes_for(b));
-        grown = std::make_unique<Grown>(
-            Grown{std::move(bytes), ClusterTree(load_block(cells_, b), priority_)});
+void BlockRefiner::Cuts::read(std::size_t b, BlockCut& cut) const {
+    const Block& first = blocks[b];
+    const Block& last = blocks[b + 1];
+    cut.order.resize(last.first_cell - first.first_cell);
+    order.read(first.first_cell, std::span(cut.order));
+    cut.begins.resize(last.first_split - first.first_split);
+    begins.read(first.first_split, std::span(cut.begins));
+    cut.keys.resize(last.first_split - first.first_split);
+    keys.read(first.first_split, std::span(cut.keys));
+    cut.threshold = first.threshold;
+}
+
+void BlockRefiner::Cuts::append(const BlockCut& cut) {
+    order.append(cut.order);
+    begins.append(cut.begins);
+    keys.append(cut.keys);
+    blocks.back().threshold = cut.threshold;
+    blocks.push_back({order.size(), keys.size(), 0});
+}
+
+double BlockRefiner::Cuts::threshold() const {
+    double highest = 0;
+    for (std::size_t b = 0; b + 1 < blocks.size(); ++b) {
+        highest = std::max(highest, blocks[b].threshold);
     }
-    grown->tree.grow(std::max(threshold, 0.0));  // single cells have key 0
-    context_.check_stop();
-    return grown;
+    return highest;
 }
 
-void BlockRefiner::put_back(std::size_t b, std::unique_ptr<Grown> grown) {
-    // Half of the memory is left to those who need it.
-    if (context_.budget().available() > context_.budget().limit() / 2) kept_[b] = std::move(grown);
+BlockRefiner::BlockRefiner(ooc::Context& context, const cluster::CellBlocks& blocks,
+                           Priority priority)
+    : context_(context), blocks_(blocks), priority_(priority), cuts_(context) {
+    for (std::size_t b = 0; b < blocks.n_blocks(); ++b) cuts_.append({});
 }
 
-/// Grows some blocks; their splits' keys above the threshold go to `keys`. Returns the number of
-/// leaves.
-std::uint64_t BlockRefiner::grow(const std::vector<std::size_t>& blocks, double threshold,
-                                 ooc::Spool<double>* keys) {
-    std::uint64_t n_leaves = 0;
-    context_.workers().in_order(
-        blocks.size(), n_alive_,
-        [&](std::uint64_t i) {
-            std::unique_ptr<Grown> grown = take(blocks[i], threshold);
-            Keys found;
-            for (const ClusterNode& node : grown->tree.nodes()) {
-                if (node.first_child != 0 && node.key > threshold) found.push_back(node.key);
-            }
-            put_back(blocks[i], std::move(grown));
-            return found;
+template <typename Grow>
+void BlockRefiner::sweep(std::uint64_t bytes_per_cell, const Grow& grow) {
+    struct Work {
+        BlockTree tree;
+        BlockCut cut;
+    };
+    const LargestBlock largest(blocks_);
+    const BlocksInFlight in_flight(
+        context_, "cluster trees",
+        BlockTree::bytes_for(largest.n_cells, largest.n_faces, priority_) +
+            largest.n_cells * (2 * sizeof(LocalCell) + sizeof(double) + bytes_per_cell));
+    Cuts grown(context_);
+    in_flight.sweep<Work>(
+        blocks_.n_blocks(),
+        [&](std::uint64_t b, Work& work) {
+            cuts_.read(b, work.cut);
+            grow(b, work.tree, work.cut);
         },
-        [&](std::uint64_t, const Keys& found) {
-            n_leaves += found.size() + 1;
-            if (keys != nullptr) keys->append(found);
+        [&](std::uint64_t b, const Work& work) {
+            const std::uint64_t before =
+                cuts_.blocks[b + 1].first_split - cuts_.blocks[b].first_split;
+            context_.advance(work.cut.keys.size() - before);
+            grown.append(work.cut);
         });
-    return n_leaves;
+    cuts_ = std::move(grown);
 }
 
-/// A threshold at which the blocks have at least `n_clusters` leaves, if they can; lower than the
-/// given one, or that. `keys` receives the keys above it.
-double BlockRefiner::threshold_for(const std::vector<std::size_t>& blocks, std::uint64_t n_clusters,
-                                   double threshold, ooc::Spool<double>* keys) {
-    // Keys fall with about the cube of the number of clusters on a smooth surface (area times
-    // squared distance), more slowly on a noisy one. Steps err on the side of too few splits: one
-    // round more costs less than clusters that the cut throws away again.
-    const double least = threshold * 1e-24;
-    for (;;) {
-        if (keys != nullptr) *keys = {context_, "split keys"};
-        const std::uint64_t n = grow(blocks, threshold, keys);
-        if (n >= n_clusters || threshold == 0) return threshold;
-        const double missing = static_cast<double>(n) / static_cast<double>(n_clusters);
-        threshold *= std::clamp(missing * std::sqrt(missing), 1e-3, 0.9);
-        if (threshold < least) threshold = 0;
+void BlockRefiner::grow_to_key(double threshold) {
+    sweep(0, [&](std::size_t b, BlockTree& tree, BlockCut& cut) {
+        if (cut.threshold > threshold) tree.grow_to_key(blocks_, b, priority_, threshold, cut);
+    });
+}
+
+void BlockRefiner::grow_sample(std::uint64_t n_splits) {
+    const double share =
+        kSampleExcess * static_cast<double>(n_splits) / static_cast<double>(blocks_.n_cells());
+    const std::size_t stride =
+        std::clamp<std::size_t>(blocks_.n_blocks() / kFewestSampled, 1, kSampleStride);
+    sweep(BlockTree::kBytesPerSplit, [&](std::size_t b, BlockTree& tree, BlockCut& cut) {
+        if (b % stride != 0) return;
+        const auto n_cells =
+            static_cast<double>(blocks_.blocks[b + 1].first_cell - blocks_.blocks[b].first_cell);
+        const auto wanted = static_cast<std::uint64_t>(std::ceil(share * n_cells));
+        tree.grow_by_splits(blocks_, b, priority_, wanted, cut);
+    });
+}
+
+std::uint64_t BlockRefiner::n_keys_above(double key) const {
+    std::uint64_t n = 0;
+    ooc::SpoolReader<double> keys(cuts_.keys);
+    for (auto piece = keys.next_piece(); !piece.empty(); piece = keys.next_piece()) {
+        n += static_cast<std::uint64_t>(
+            std::count_if(piece.begin(), piece.end(), [&](double k) { return k > key; }));
+    }
+    return n;
+}
+
+double BlockRefiner::nth_key(std::uint64_t n) {
+    return key_at_weight(
+        context_, cuts_.keys, cuts_.keys.size() - n, [](double key) { return key; },
+        [](double) { return std::uint64_t{1}; });
+}
+
+void BlockRefiner::grow_to_splits(std::uint64_t n_splits) {
+    if (cuts_.threshold() == kInfinity) {
+        grow_sample(n_splits);
+        const auto wanted =
+            static_cast<std::uint64_t>(static_cast<double>(cuts_.keys.size()) / kSampleExcess);
+        if (wanted < cuts_.keys.size()) grow_to_key(kMargin * nth_key(wanted));
+    }
+    // The exponent doubles from step to step: where few keys lie between two thresholds, as between
+    // those of noise and of plane parts, that many small steps would be sweeps for nothing.
+    double exponent = kExponent;
+    double threshold = cuts_.threshold();
+    const double least = std::isfinite(threshold) ? kLeastKey * threshold : 0;
+    while (threshold > 0) {
+        const std::uint64_t n = n_keys_above(threshold);
+        if (n >= n_splits) return;
+        const double there = static_cast<double>(n + blocks_.n_blocks()) /
+                             static_cast<double>(n_splits + blocks_.n_blocks());
+        threshold *= std::pow(std::clamp(there, 0.05, 0.95), exponent);
+        if (!(threshold > least && std::isfinite(threshold))) threshold = 0;
+        grow_to_key(threshold);
+        exponent *= 2;
     }
 }
 
 ClusterMesh BlockRefiner::refine_to_count(std::uint64_t n_clusters) {
-    const std::size_t n_blocks = cells_.n_blocks();
-    if (n_clusters <= n_blocks) return cut(std::numeric_limits<double>::infinity());
-    std::vector<std::size_t> all(n_blocks);
-    std::iota(all.begin(), all.end(), std::size_t{0});
-    const std::size_t n_sample =
-        std::min(n_blocks, std::max(kLeastSample, n_blocks / kSampleStride));
-    std::vector<std::size_t> sample;
-    std::uint64_t sample_cells = 0;
-    for (std::size_t i = 0; i < n_sample; ++i) {
-        const std::size_t b = (2 * i + 1) * n_blocks / (2 * n_sample);
-        sample.push_back(b);
-        sample_cells += cells_.blocks[b + 1].first_cell - cells_.blocks[b].first_cell;
-    }
-    double largest = 0;
-    for (const std::size_t b : sample) {
-        std::unique_ptr<Grown> grown = take(b, std::numeric_limits<double>::infinity());
-        const double key = grown->tree.nodes()[0].key;
-        if (std::isfinite(key)) largest = std::max(largest, key);
-        put_back(b, std::move(grown));
-    }
-    const double share = static_cast<double>(sample_cells) / static_cast<double>(cells_.n_cells());
-    const auto n_in_sample =
-        static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(n_clusters)));
-    const double start = threshold_for(sample, n_in_sample, largest / 8, nullptr);
-    ooc::Spool<double> keys;
-    threshold_for(all, n_clusters, start, &keys);
-    // Nodes whose key is above the (n_splits + 1)-th largest are split: at most n_splits of them.
-    const std::uint64_t n_splits = n_clusters - n_blocks;
-    const double threshold =
-        n_splits >= keys.size() ? -1 : nth_smallest(keys, keys.size() - n_splits - 1);
-    keys.release();
-    return cut(threshold);
+    if (n_clusters >= blocks_.n_cells()) return cells_as_clusters(context_, blocks_);
+    if (n_clusters <= blocks_.n_blocks()) return make_clusters(kInfinity);
+    const std::uint64_t n_splits = n_clusters - blocks_.n_blocks();
+    grow_to_splits(n_splits);
+    // Clusters whose key is above the (n_splits + 1)-th largest are split: at most n_splits of
+    // them. Keys below the common threshold are not all there; if it gets to them, there are
+    // exactly n_splits above it, or no more to be had.
+    const double threshold = cuts_.threshold();
+    return make_clusters(cuts_.keys.size() > n_splits ? std::max(threshold, nth_key(n_splits))
+                                                      : threshold);
 }
 
 ClusterMesh BlockRefiner::refine_to_key(double key) {
-    return cut(key);
+    if (cuts_.threshold() > key) grow_to_key(key);
+    return make_clusters(key);
 }
 
-ClusterMesh BlockRefiner::cut(double threshold) {
-    const Vec3 origin = cluster_origin(cells_);
-    return build_cluster_mesh(context_, cells_, n_alive_, [&](std::size_t b) {
-        std::unique_ptr<Grown> grown = take(b, threshold);
-        const CellBlock& block = grown->tree.block();
-        const Vec3 shift = block.origin - origin;
-        BlockClusters clusters;
-        clusters.cluster_of_cell.resize(block.cells.size());
-        std::vector<std::uint32_t> ids;
-        grown->tree.for_each_cluster(threshold, [&](const ClusterNode& node) {
-            const auto k = static_cast<std::uint32_t>(clusters.vertices.size());
-            ids.clear();
-            for (std::uint32_t i = node.cell_begin; i < node.cell_end; ++i) {
-                ids.push_back(block.cells[i].id);
-            }
-            const ClusterSums sums = sum_cells(block, grown->tree.place_of_id(), ids);
-            clusters.add(sums, shift, static_cast<std::uint32_t>(ids.size()));
-            add_attributes(clusters, block, ids);
-            for (const std::uint32_t id : ids) clusters.cluster_of_cell[id] = k;
-        });
-        put_back(b, std::move(grown));
-        return clusters;
-    });
-}
-
-ClusterMesh cells_as_clusters(ooc::Context& context, const CellBlocks& cells) {
-    const Vec3 origin = cluster_origin(cells);
-    return build_cluster_mesh(context, cells, most_alive(context, cells), [&](std::size_t b) {
-        const ooc::Reservation bytes =
-            context.budget().reserve("a block of cells", bytes_of_block(cells, b));
-        CellBlock block = load_block(cells, b);
-        BlockClusters clusters;
-        for (std::uint32_t i = 0; i < block.cells.size(); ++i) {
-            ClusterSums sums;
-            sums.add(block.cells[i]);
-            clusters.add(sums, block.origin - origin, 1);
-            clusters.cluster_of_cell.push_back(i);
+ClusterMesh BlockRefiner::make_clusters(double threshold) {
+    return build_cluster_mesh(context_, blocks_, [&](std::size_t b, CellGroups& groups) {
+        BlockCut cut;
+        cuts_.read(b, cut);
+        groups.order = std::move(cut.order);
+        groups.begins.push_back(0);
+        for (std::size_t i = 0; i < cut.begins.size(); ++i) {
+            if (cut.keys[i] > threshold) groups.begins.push_back(cut.begins[i]);
         }
-        clusters.attributes = std::move(block.attributes);
-        return clusters;
     });
 }
 

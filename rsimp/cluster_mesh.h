@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "cluster/cell_blocks.h"
@@ -46,29 +45,5 @@ struct ClusterMesh {
     [[nodiscard]] std::uint64_t n_clusters() const { return vertices.size(); }
     [[nodiscard]] std::size_t n_blocks() const { return blocks.empty() ? 0 : blocks.size() - 1; }
 };
-
-struct ClusterSums;
-
-/// What the cells of one block come to.
-struct BlockClusters {
-    std::vector<CollapseVertex> vertices;
-    std::vector<std::uint32_t> n_cells;
-    std::vector<cluster::CellAttributes> attributes;  ///< empty if there are none
-    std::vector<std::uint32_t> cluster_of_cell;  ///< places in `vertices`, by cell of the block
-
-    /// Appends a cluster of `n` cells; `shift` takes the frame of the sums to the origin of the
-    /// mesh.
-    void add(const ClusterSums& sums, const Vec3& shift, std::uint32_t n);
-};
-
-/// Origin of the mesh's coordinates, in cells from the lattice origin.
-Vec3 cluster_origin(const cluster::CellBlocks& cells);
-
-/// Collects the clusters that make(block) comes to, and maps the faces. make() runs on all threads,
-/// for at most `most_alive` blocks at once. Two sweeps over the blocks; the second reads 12 bytes a
-/// face and 4 a cell.
-ClusterMesh build_cluster_mesh(ooc::Context& context, const cluster::CellBlocks& cells,
-                               std::size_t most_alive,
-                               const std::function<BlockClusters(std::size_t)>& make);
 
 }  // namespace hewer::rsimp

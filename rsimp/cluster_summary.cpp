@@ -46,6 +46,20 @@ void ClusterSums::add(const cluster::CellRecord& cell) {
     }
 }
 
+ClusterSums& ClusterSums::operator+=(const ClusterSums& other) {
+    quadric += other.quadric;
+    weight += other.weight;
+    first = first + other.first;
+    for (std::size_t i = 0; i < second.size(); ++i) second[i] += other.second[i];
+    area += other.area;
+    face_normal = face_normal + other.face_normal;
+    for (std::size_t i = 0; i < 3; ++i) {
+        low[i] = std::min(low[i], other.low[i]);
+        high[i] = std::max(high[i], other.high[i]);
+    }
+    return *this;
+}
+
 double ClusterSums::spread() const {
     return std::max(0.0, second[0] + second[3] + second[5] - dot(first, first) / weight);
 }

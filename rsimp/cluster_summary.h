@@ -20,8 +20,8 @@ enum class Priority {
     Displacement,     ///< farthest that the representative can be from an original vertex
 };
 
-/// Sums over the cells of a cluster; adding them one by one in subrange order is the only order
-/// used, so floating point does no harm here.
+/// Sums over the cells of a cluster. Their order is always a function of the cells alone, so
+/// floating point does no harm here.
 struct ClusterSums {
     cluster::Quadric quadric;  ///< relative to the frame's origin
     double weight = 0;         ///< area, a little more than zero for every cell
@@ -37,6 +37,8 @@ struct ClusterSums {
 
     /// `cell` with its mean in the frame of its block.
     void add(const cluster::CellRecord& cell);
+    /// Other cells, in the same frame.
+    ClusterSums& operator+=(const ClusterSums& other);
     /// Weighted sum of the squared distances from the mean.
     [[nodiscard]] double spread() const;
     [[nodiscard]] Vec3 mean() const { return (1 / weight) * first; }

@@ -5,41 +5,105 @@
 #include <bit>
 
 #include "cluster/cell_record.h"
+#include "cluster/cell_runs.h"
 #include "cluster/cell_sums.h"
 #include "ooc/memory_budget.h"
-#include "rsimp/cluster_mesh.h"
-#include "rsimp/cluster_tree.h"
+#include "rsimp/mesh_store.h"
 
 namespace hewer::rsimp {
 
-std::uint64_t peak_memory_bytes(const MemoryCounts& n) {
-    using cluster::AttributeSums;
-    using cluster::CellAttributes;
-    using cluster::CellRecord;
-    using cluster::CellSums;
-    const std::uint64_t attribute_sums = n.has_attributes ? sizeof(AttributeSums) : 0;
-    const std::uint64_t attributes = n.has_attributes ? sizeof(CellAttributes) : 0;
-    // Table of 12 bytes a slot, 70 % full at most, a power of two.
-    const std::uint64_t table = 12 * std::bit_ceil(n.cells * 3 / 2 + 1);
-    const std::uint64_t sums = n.cells * (sizeof(CellSums) + attribute_sums);
-    const std::uint64_t triples = n.surviving_triangles * sizeof(cluster::CellTriple);
+namespace {
 
+using cluster::AttributeSums;
+using cluster::CellAttributes;
+using cluster::CellRecord;
+using cluster::CellSums;
+
+// Triangles between cells, and between clusters, of a closed surface; a little more where it is
+// rough.
+constexpr double kFacesPerCell = 2.1;
+
+std::uint64_t faces_of(std::uint64_t n) {
+    return static_cast<std::uint64_t>(kFacesPerCell * static_cast<double>(n));
+}
+
+/// Cells in blocks, on spools.
+std::uint64_t blocks_bytes(const MemoryCounts& n) {
+    return n.cells * (sizeof(std::uint64_t) + sizeof(CellRecord) +
+                      (n.has_attributes ? sizeof(CellAttributes) : 0)) +
+           faces_of(n.cells) * sizeof(cluster::CellTriple);
+}
+
+/// Clusters and their faces, on spools.
+std::uint64_t cluster_bytes(const MemoryCounts& n) {
+    return n.clusters * (sizeof(CollapseVertex) + sizeof(std::uint32_t) +
+                         (n.has_attributes ? sizeof(CellAttributes) : 0)) +
+           faces_of(n.clusters) * sizeof(cluster::CellTriple);
+}
+
+/// The same as mesh pieces of the finishing collapse.
+std::uint64_t piece_bytes(const MemoryCounts& n) {
+    return n.clusters * (sizeof(StoredVertex) + (n.has_attributes ? sizeof(CellAttributes) : 0)) +
+           faces_of(n.clusters) * sizeof(cluster::CellTriple);
+}
+
+std::uint64_t lod_bytes(const MemoryCounts& n) {
+    return n.lod_vertices * (sizeof(StoredVertex) +
+                             (n.has_attributes ? sizeof(CellAttributes) : 0) + 2 * sizeof(Face));
+}
+
+/// Between cells and clusters: blocks, their cuts, the clusters of the cells.
+std::uint64_t refine_bytes(const MemoryCounts& n) {
+    return blocks_bytes(n) + n.cells * 6 + n.clusters * 10 + cluster_bytes(n);
+}
+
+std::uint64_t finish_bytes(const MemoryCounts& n) {
+    return piece_bytes(n) + std::max(cluster_bytes(n), n.clusters * 20 + lod_bytes(n));
+}
+
+}  // namespace
+
+std::uint64_t least_memory_bytes(const MemoryCounts& n) {
+    // Blocks of cells and of the mesh at work, their results, buffers of merges, tails of spools;
+    // the table of pages of the vertices; ranks and components of the vertices of a level of
+    // detail.
+    const std::uint64_t blocks = (n.has_attributes ? 40ULL : 30ULL) << 20;
+    const std::uint64_t per_thread = 4ULL << 20;
+    return ooc::MemoryBudget::kFixedBytes + blocks + n.n_threads * per_thread + n.vertices / 12 +
+           n.lod_vertices * 5 + n.clusters / 4;
+}
+
+std::uint64_t ample_memory_bytes(const MemoryCounts& n) {
+    const std::uint64_t sums =
+        n.cells * (sizeof(CellSums) + (n.has_attributes ? sizeof(AttributeSums) : 0));
+    const std::uint64_t table = 12 * std::bit_ceil(n.cells * 3 / 2 + 1);
+    const std::uint64_t triples = faces_of(n.cells) * sizeof(cluster::CellTriple);
     const std::uint64_t accumulate = 16 * n.vertices + table + sums + triples;
-    // Sorted order, codes and ranks of the cells, and their records, beside the sums.
-    const std::uint64_t store =
-        sums + n.cells * (16 + 8 + 4 + sizeof(CellRecord) + attributes) + triples;
-    const std::uint64_t kept = n.cells * (8 + sizeof(CellRecord) + attributes) + triples;
-    // Two nodes for each leaf, in vectors that double; a vertex, quadric, box and mesh for each
-    // cluster.
-    const std::uint64_t tree =
-        n.is_refined ? n.cells * 8 + triples + n.clusters * 3 * sizeof(ClusterNode) : n.cells * 4;
-    const std::uint64_t cut = n.clusters * (24 + 80 + 24 + attributes);
-    const std::uint64_t manifold = n.clusters * 2 * 84;
-    const std::uint64_t refine = kept + tree + cut + manifold;
-    const std::uint64_t collapse = n.cells * 12 +
-                                   n.clusters * (sizeof(CollapseVertex) + attributes + 41) +
-                                   n.clusters * 2 * 24;
-    return ooc::MemoryBudget::kFixedBytes + std::max({accumulate, store, refine, collapse});
+    // Order, ranks and codes of the cells, and their records, beside the sums.
+    const std::uint64_t build = sums + n.cells * (16 + 4 + 4) + blocks_bytes(n) + triples;
+    return least_memory_bytes(n) / 2 +
+           std::max({accumulate, build, refine_bytes(n), finish_bytes(n)});
+}
+
+std::uint64_t temp_bytes(const MemoryCounts& n, std::uint64_t limit) {
+    const auto beyond = [&](std::uint64_t bytes, std::uint64_t working) {
+        const std::uint64_t taken = ooc::MemoryBudget::kFixedBytes + working;
+        return bytes - std::min(bytes, limit - std::min(limit, taken));
+    };
+    // A table that cannot hold all cells goes out in runs, which stay until the cells are merged.
+    const auto bytes_per_cell =
+        static_cast<std::uint64_t>(cluster::CellRuns::bytes_per_cell(n.has_attributes));
+    std::uint64_t merge = blocks_bytes(n);
+    if (n.cells * bytes_per_cell + least_memory_bytes(n) > limit) {
+        merge =
+            n.cells * (sizeof(cluster::RunCell) + sizeof(CellRecord) + sizeof(std::uint64_t) +
+                       (n.has_attributes ? sizeof(AttributeSums) + sizeof(CellAttributes) : 0)) +
+            faces_of(n.cells) * sizeof(cluster::CodeTriple);
+    }
+    constexpr std::uint64_t kBuffers = 8 << 20;
+    const std::uint64_t blocks = least_memory_bytes(n) / 2;
+    return std::max({beyond(merge, kBuffers), beyond(refine_bytes(n), blocks),
+                     beyond(finish_bytes(n), blocks)});
 }
 
 }  // namespace hewer::rsimp

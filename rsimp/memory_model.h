@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How much memory a run needs, stage by stage, as a function of counts: docs/memory.md in code.
+/// How much memory a run takes, as a function of counts: docs/memory.md in code.
 #pragma once
 
 #include <cstdint>
@@ -8,15 +8,22 @@ namespace hewer::rsimp {
 
 /// The counts that memory depends on. All but the first two are estimates before a run.
 struct MemoryCounts {
-    std::uint64_t vertices = 0;  ///< 0 for a soup
+    std::uint64_t vertices = 0;  ///< of an indexed input; 0 for a soup
     std::uint64_t cells = 0;
-    std::uint64_t surviving_triangles = 0;
-    std::uint64_t clusters = 0;  ///< that the edge collapse begins with
+    std::uint64_t clusters = 0;      ///< that the edge collapse begins with
+    std::uint64_t lod_vertices = 0;  ///< of the largest level of detail
+    unsigned n_threads = 1;
     bool has_attributes = false;
-    bool is_refined = true;
 };
 
-/// Peak bytes of the whole process.
-std::uint64_t peak_memory_bytes(const MemoryCounts& counts);
+/// With less than this a run may fail; with it, it goes through, whatever the rest of the counts:
+/// what does not fit waits on disk.
+std::uint64_t least_memory_bytes(const MemoryCounts& counts);
+
+/// What a run takes when it has all that it can use: nothing goes to disk then.
+std::uint64_t ample_memory_bytes(const MemoryCounts& counts);
+
+/// Most temporary disk space at once with `limit` bytes of memory.
+std::uint64_t temp_bytes(const MemoryCounts& counts, std::uint64_t limit);
 
 }  // namespace hewer::rsimp

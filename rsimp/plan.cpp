@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <thread>
 #include <vector>
 
 #include "cluster/cell_sample.h"
@@ -120,15 +121,19 @@ PlanReport plan(const std::filesystem::path& input, const SimplifyOptions& optio
     rsimp::MemoryCounts counts;
     counts.vertices = info.is_indexed ? info.n_vertices : 0;
     counts.cells = report.cells;
-    counts.surviving_triangles = report.surviving_triangles;
     counts.clusters = clusters;
+    counts.lod_vertices = out_triangles / 2;
+    counts.n_threads = options.n_threads != 0 ? options.n_threads
+                                              : std::max(1U, std::thread::hardware_concurrency());
     counts.has_attributes =
         info.has_normals || info.has_colors || options.priority == SplitPriority::NormalVariation;
-    counts.is_refined = is_refined;
-    report.memory_bytes = rsimp::peak_memory_bytes(counts);
     report.memory_limit_bytes =
         options.memory_bytes != 0 ? options.memory_bytes : ooc::default_memory_limit();
-    report.fits = report.memory_bytes <= report.memory_limit_bytes;
+    report.least_memory_bytes = rsimp::least_memory_bytes(counts);
+    report.memory_bytes = std::min(rsimp::ample_memory_bytes(counts),
+                                   std::max(report.memory_limit_bytes, report.least_memory_bytes));
+    report.fits = report.least_memory_bytes <= report.memory_limit_bytes;
+    report.temp_bytes = rsimp::temp_bytes(counts, report.memory_limit_bytes);
 
     // Vertices once, twice with double positions (bounds first); faces once; a soup three times.
     const std::uint64_t vertex_bytes =

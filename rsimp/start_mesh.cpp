@@ -7,10 +7,11 @@
 #include <vector>
 
 #include "ooc/vec3.h"
+#include "rsimp/block_fusion.h"
 #include "rsimp/block_refiner.h"
+#include "rsimp/cluster_mesh_builder.h"
 #include "rsimp/clustering.h"
 #include "rsimp/grid_choice.h"
-#include "rsimp/octree_fusion.h"
 
 namespace hewer::rsimp {
 

@@ -17,10 +17,11 @@ struct PlanReport {
     std::uint64_t cells = 0;
     std::uint64_t surviving_triangles = 0;
     std::uint64_t target_triangles = 0;
-    std::uint64_t memory_bytes = 0;        ///< peak, whole process
+    std::uint64_t memory_bytes = 0;        ///< peak of the whole process under that limit
     std::uint64_t memory_limit_bytes = 0;  ///< that would apply
-    bool fits = true;                      ///< memory_bytes <= memory_limit_bytes
-    std::uint64_t temp_bytes = 0;
+    std::uint64_t least_memory_bytes = 0;  ///< a limit below this is refused
+    bool fits = true;                      ///< least_memory_bytes <= memory_limit_bytes
+    std::uint64_t temp_bytes = 0;          ///< most temporary disk space at once
     std::uint64_t bytes_read = 0;
     std::uint64_t bytes_written = 0;
     double seconds = 0;

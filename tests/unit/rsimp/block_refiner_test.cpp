@@ -1,272 +1,291 @@
 // SPDX-License-Identifier: MIT
-/// Cluster trees, cuts, and the fusion of the uniform method.
 #include "rsimp/block_refiner.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
+#include <limits>
 #include <numeric>
-#include <optional>
-#include <set>
+#include <span>
 #include <vector>
 
-#include "rsimp/cluster_tree.h"
-#include "rsimp/octree_fusion.h"
-#include "tests/support/clustered_mesh.h"
-#include "tests/support/shapes.h"
+#include "block_fixture.h"
+#include "rsimp/block_tree.h"
+#include "rsimp/cluster_mesh_builder.h"
+#include "rsimp/key_selection.h"
 
 namespace hewer::rsimp {
 
 namespace {
 
-using cluster::CellBlocks;
-
-constexpr std::uint64_t kOneBlock = std::uint64_t{1} << 40;
-
-/// One tree over all cells of a mesh.
-struct WholeTree {
-    WholeTree(const Mesh& mesh, double resolution, Priority priority = Priority::Quadric)
-        : context(test::make_context()),
-          tree(load_block(test::cluster_mesh(*context, mesh, resolution, 1, kOneBlock), 0),
-               priority) {}
-    /// The clusters of a cut as sets of cell ids.
-    [[nodiscard]] std::set<std::set<std::uint32_t>> cut(double threshold) const {
-        std::set<std::set<std::uint32_t>> clusters;
-        tree.for_each_cluster(threshold, [&](const ClusterNode& node) {
-            std::set<std::uint32_t> ids;
-            for (std::uint32_t i = node.cell_begin; i < node.cell_end; ++i) {
-                ids.insert(tree.block().cells[i].id);
-            }
-            clusters.insert(ids);
-        });
-        return clusters;
+/// As defined: all trees grown to the end, and the cut at the n-th largest key of all.
+ClusterMesh refine_by_definition(BlockFixture& fixture, std::uint64_t n_clusters) {
+    const std::size_t n_blocks = fixture.blocks.n_blocks();
+    std::vector<BlockCut> cuts(n_blocks);
+    std::vector<double> keys;
+    BlockTree tree;
+    for (std::size_t b = 0; b < n_blocks; ++b) {
+        tree.grow_to_key(fixture.blocks, b, Priority::Quadric, 0, cuts[b]);
+        keys.insert(keys.end(), cuts[b].keys.begin(), cuts[b].keys.end());
     }
-
-    std::unique_ptr<ooc::Context> context;
-    ClusterTree tree;
-};
-
-std::multiset<cluster::CellTriple> faces_of(const CellBlock& block) {
-    return {block.faces.begin(), block.faces.end()};
+    std::sort(keys.begin(), keys.end(), std::greater<>());
+    const double threshold = keys.at(n_clusters - n_blocks);
+    return build_cluster_mesh(*fixture.context, fixture.blocks,
+                              [&](std::size_t b, CellGroups& groups) {
+                                  groups.order = cuts[b].order;
+                                  groups.begins.push_back(0);
+                                  for (std::size_t i = 0; i < cuts[b].keys.size(); ++i) {
+                                      if (cuts[b].keys[i] <= threshold) continue;
+                                      groups.begins.push_back(cuts[b].begins[i]);
+                                  }
+                              });
 }
 
-/// A cluster mesh in memory, with the cluster of each cell found again from boxes and places.
-struct Made {
-    explicit Made(const ClusterMesh& mesh)
-        : vertices(test::read_all(mesh.vertices)),
-          n_cells(test::read_all(mesh.n_cells)),
-          faces(test::read_all(mesh.faces)),
-          origin(mesh.origin) {
-        std::sort(faces.begin(), faces.end());  // their order means nothing
-    }
-    [[nodiscard]] std::uint64_t size() const { return vertices.size(); }
-    bool operator==(const Made& other) const {
-        return faces == other.faces && n_cells == other.n_cells &&
-               std::equal(vertices.begin(), vertices.end(), other.vertices.begin(),
-                          other.vertices.end(), [](const auto& a, const auto& b) {
-                              return a.position == b.position && a.box == b.box &&
-                                     a.quadric.a == b.quadric.a && a.quadric.b == b.quadric.b &&
-                                     a.quadric.c == b.quadric.c;
-                          });
-    }
+ClusterMesh refine(BlockFixture& fixture, std::uint64_t n_clusters) {
+    return BlockRefiner(*fixture.context, fixture.blocks, Priority::Quadric)
+        .refine_to_count(n_clusters);
+}
 
-    std::vector<CollapseVertex> vertices;
-    std::vector<std::uint32_t> n_cells;
-    std::vector<CellTriple> faces;
-    Vec3 origin;
-};
-
-void expect_all_used(const Made& clusters, const CellBlocks& cells) {
-    std::uint64_t n = 0;
-    for (const std::uint32_t k : clusters.n_cells) {
-        EXPECT_GT(k, 0U);
-        n += k;
-    }
-    EXPECT_EQ(n, cells.n_cells());
-    for (const CellTriple& face : clusters.faces) {
-        for (const std::uint32_t c : face) EXPECT_LT(c, clusters.size());
-    }
+std::uint64_t sum(const std::vector<std::uint32_t>& values) {
+    return std::accumulate(values.begin(), values.end(), std::uint64_t{0});
 }
 
 }  // namespace
 
-TEST(ClusterTree, SubrangesAreDisjointCoveringAndNested) {
-    for (const Mesh& mesh : {test::cube_sphere(25, 0.03), test::two_sheets(30, 0.05),
-                             test::many_spheres(2, 8), test::random_soup(300, 900, 2)}) {
-        WholeTree whole(mesh, 30);
-        const CellBlock& block = whole.tree.block();
-        const auto faces_before = faces_of(block);
-        whole.tree.grow(0);
-        EXPECT_EQ(faces_of(block), faces_before);
-        const auto& nodes = whole.tree.nodes();
-        EXPECT_EQ(nodes[0].cell_begin, 0U);
-        EXPECT_EQ(nodes[0].cell_end, block.cells.size());
-        for (const ClusterNode& node : nodes) {
-            // Exactly the faces of the subrange have two corners or more in the cluster.
-            for (std::uint32_t f = 0; f < block.faces.size(); f += 7) {
-                std::uint32_t inside = 0;
-                for (const std::uint32_t id : block.faces[f]) {
-                    const std::uint32_t at = whole.tree.place_of_id()[id];
-                    inside += at >= node.cell_begin && at < node.cell_end ? 1U : 0U;
-                }
-                ASSERT_EQ(f >= node.face_begin && f < node.face_end, inside >= 2);
-            }
-            if (node.first_child == 0) continue;
-            const ClusterNode& a = nodes[node.first_child];
-            const ClusterNode& b = nodes[node.first_child + 1];
-            EXPECT_EQ(a.cell_begin, node.cell_begin);
-            EXPECT_LT(a.cell_begin, a.cell_end);
-            EXPECT_EQ(a.cell_end, b.cell_begin);
-            EXPECT_LT(b.cell_begin, b.cell_end);
-            EXPECT_EQ(b.cell_end, node.cell_end);
-            EXPECT_LE(node.face_begin, a.face_begin);
-            EXPECT_EQ(a.face_end, b.face_begin);
-            EXPECT_EQ(b.face_end, node.face_end);
-            EXPECT_LE(a.key, node.key);
-            EXPECT_LE(b.key, node.key);
-        }
-        for (std::uint32_t i = 0; i < block.cells.size(); ++i) {
-            EXPECT_EQ(whole.tree.place_of_id()[block.cells[i].id], i);
-        }
-    }
-}
-
-TEST(ClusterTree, GrowingInStepsGivesTheSameCuts) {
-    const Mesh mesh = test::cube_sphere(25, 0.03);
-    WholeTree at_once(mesh, 30);
-    at_once.tree.grow(0.01);
-    WholeTree in_steps(mesh, 30);
-    for (const double threshold : {100.0, 5.0, 1.0, 0.2, 0.01}) in_steps.tree.grow(threshold);
-    for (const double threshold : {50.0, 1.0, 0.05, 0.01}) {
-        EXPECT_EQ(at_once.cut(threshold), in_steps.cut(threshold));
-    }
-    EXPECT_GT(at_once.cut(0.01).size(), at_once.cut(1).size());
-}
-
-TEST(ClusterTree, EveryPriorityIsMonotone) {
-    for (const Priority priority : {Priority::Quadric, Priority::Displacement}) {
-        WholeTree whole(test::torus(60, 30), 40, priority);
-        whole.tree.grow(0.1);
-        for (const ClusterNode& node : whole.tree.nodes()) {
-            if (node.first_child == 0) {
-                EXPECT_TRUE(node.key <= 0.1 || node.cell_end - node.cell_begin == 1);
-                continue;
-            }
-            EXPECT_GT(node.key, 0.1);
-            EXPECT_LE(whole.tree.nodes()[node.first_child].key, node.key);
-            EXPECT_LE(whole.tree.nodes()[node.first_child + 1].key, node.key);
-        }
-    }
-}
-
-TEST(BlockRefiner, MakesAsManyClustersAsAskedOfOneBlockOrMany) {
+TEST(KeyAtWeight, IsTheKeyThatASortedListHasThere) {
     const auto context = test::make_context();
-    for (const std::uint64_t block : {100U, 3000U, 1000000U}) {
-        const CellBlocks cells =
-            test::cluster_mesh(*context, test::cube_sphere(60, 0.01), 100, 1, block);
-        for (const std::uint64_t n : {500U, 1000U, 4000U}) {
-            if (n < cells.n_blocks()) continue;
-            const Made clusters(
-                BlockRefiner(*context, cells, Priority::Quadric).refine_to_count(n));
-            EXPECT_LE(clusters.size(), n);
-            EXPECT_GE(clusters.size(), n - 2);
-            expect_all_used(clusters, cells);
-        }
-        const Made all(BlockRefiner(*context, cells, Priority::Quadric).refine_to_count(10000000));
-        EXPECT_EQ(all.size(), cells.n_cells());
+    test::Random random(3);
+    struct Record {
+        double key;
+        std::uint64_t weight;
+    };
+    std::vector<Record> records;
+    for (int i = 0; i < 5000; ++i) {
+        // Of all sizes, many of them equal, some infinite.
+        const double key = i % 50 == 0 ? std::numeric_limits<double>::infinity()
+                                       : std::ldexp(static_cast<double>(random.below(40)),
+                                                    static_cast<int>(random.below(60)) - 30);
+        records.push_back({key, 1 + random.below(5)});
+    }
+    ooc::Spool<Record> spool(*context, "records");
+    spool.append(records);
+    std::sort(records.begin(), records.end(),
+              [](const Record& a, const Record& b) { return a.key < b.key; });
+    std::uint64_t weight = 0;
+    for (std::size_t i = 0; i < records.size(); ++i) {
+        weight += records[i].weight;
+        if (i % 100 != 0 && i + 1 != records.size()) continue;
+        EXPECT_EQ(key_at_weight(
+                      *context, spool, weight, [](const Record& r) { return r.key; },
+                      [](const Record& r) { return r.weight; }),
+                  records[i].key);
     }
 }
 
-TEST(BlockRefiner, WhatWasGrownBeforeDoesNotShow) {
-    const auto context = test::make_context();
-    const CellBlocks cells = test::cluster_mesh(*context, test::cube_sphere(60, 0.02), 80, 1, 1000);
-    BlockRefiner refiner(*context, cells, Priority::Quadric);
-    const Made coarse(refiner.refine_to_count(200));
-    const Made fine(refiner.refine_to_count(1500));
-    EXPECT_GT(fine.size(), coarse.size());
-    EXPECT_EQ(Made(refiner.refine_to_count(200)), coarse);
-    EXPECT_EQ(Made(BlockRefiner(*context, cells, Priority::Quadric).refine_to_count(1500)), fine);
+TEST(BlockRefiner, MakesTheCutThatIsDefined) {
+    for (const Mesh& mesh : {test::cube_sphere(60, 0.02), test::two_sheets(60, 0.04),
+                             test::joined(test::plane_grid(60), test::cube_sphere(30, 0.05)),
+                             test::random_soup(2000, 3000, 5)}) {
+        for (const std::uint64_t most_cells : {60U, 700U, 1U << 15}) {
+            BlockFixture fixture(mesh, 60, most_cells);
+            const std::uint64_t n_blocks = fixture.blocks.n_blocks();
+            const std::uint64_t n_cells = fixture.blocks.n_cells();
+            for (const double share : {0.001, 0.2, 0.7, 0.999}) {
+                const auto n = n_blocks + static_cast<std::uint64_t>(
+                                              share * static_cast<double>(n_cells - n_blocks));
+                EXPECT_TRUE(snapshot(refine(fixture, n)) ==
+                            snapshot(refine_by_definition(fixture, n)))
+                    << most_cells << " " << n;
+            }
+        }
+    }
+}
+
+TEST(BlockRefiner, MakesAsManyClustersAsAskedFor) {
+    for (const double resolution : {60.0, 200.0}) {
+        for (const std::uint64_t most_cells : {500U, 1U << 15}) {
+            BlockFixture fixture(test::cube_sphere(110, 0.01), resolution, most_cells);
+            const std::uint64_t n_cells = fixture.blocks.n_cells();
+            for (const std::uint64_t n : {400U, 1000U, 4000U}) {
+                const ClusterMesh mesh = refine(fixture, n);
+                const std::uint64_t most = std::clamp(n, fixture.blocks.n_blocks(), n_cells);
+                EXPECT_LE(mesh.n_clusters(), most);
+                EXPECT_GE(mesh.n_clusters(), most - 2);  // a child may inherit its parent's key
+                EXPECT_EQ(sum(contents(mesh.n_cells)), n_cells);
+            }
+            EXPECT_EQ(refine(fixture, n_cells).n_clusters(), n_cells);
+            EXPECT_EQ(refine(fixture, 2 * n_cells).n_clusters(), n_cells);
+            EXPECT_EQ(refine(fixture, 1).n_clusters(), fixture.blocks.n_blocks());
+        }
+    }
+}
+
+TEST(BlockRefiner, AsksForMoreOfTheSameTrees) {
+    BlockFixture fixture(test::cube_sphere(60, 0.02), 80, 1000);
+    BlockRefiner refiner(*fixture.context, fixture.blocks, Priority::Quadric);
+    for (const std::uint64_t n : {200U, 1500U, 4000U, 300U}) {
+        EXPECT_TRUE(snapshot(refiner.refine_to_count(n)) == snapshot(refine(fixture, n))) << n;
+    }
 }
 
 TEST(BlockRefiner, NeitherThreadsNorMemoryShow) {
-    const Mesh mesh = test::cube_sphere(60, 0.01);
-    std::optional<Made> expected;
-    for (const unsigned n_threads : {1U, 2U, 8U}) {
-        for (const std::uint64_t mib : {4096U, 28U}) {  // with little, no tree is kept
-            ooc::Context context({.memory_bytes = mib << 20, .n_threads = n_threads});
-            const CellBlocks cells = test::cluster_mesh(context, mesh, 100, 1, 2000);
-            Made clusters(BlockRefiner(context, cells, Priority::Quadric).refine_to_count(3000));
-            if (!expected) expected = clusters;
-            EXPECT_EQ(clusters, *expected) << n_threads << ' ' << mib;
+    const Mesh mesh = test::cube_sphere(110, 0.01);
+    for (const std::uint64_t most_cells : {400U, 1U << 15}) {
+        std::vector<char> expected;
+        for (const unsigned n_threads : {1U, 2U, 8U}) {
+            for (const std::uint64_t memory_bytes : {kSmall, kAmple}) {
+                BlockFixture fixture(mesh, 200, most_cells, n_threads, memory_bytes);
+                fixture.add_attributes();
+                const std::vector<char> found = snapshot(refine(fixture, 3000));
+                if (expected.empty()) expected = found;
+                EXPECT_TRUE(found == expected) << n_threads << " " << memory_bytes;
+            }
         }
     }
 }
 
 TEST(BlockRefiner, SurfacesThatAreNotConnectedEndInDifferentClusters) {
-    const auto context = test::make_context();
-    // Faces tell: clusters of one surface are joined by faces, of two never.
-    const auto count_parts = [&](const Mesh& mesh, double resolution, std::uint64_t n) {
-        const CellBlocks cells = test::cluster_mesh(*context, mesh, resolution, 1, 500);
-        const Made made(BlockRefiner(*context, cells, Priority::Quadric).refine_to_count(n));
-        std::vector<std::uint32_t> label(made.size());
-        std::iota(label.begin(), label.end(), 0U);
-        const auto find = [&](std::uint32_t v) {
-            while (label[v] != v) v = label[v];
-            return v;
-        };
-        for (const CellTriple& t : made.faces) {
-            label[find(t[1])] = find(t[0]);
-            label[find(t[2])] = find(t[0]);
-        }
-        std::set<std::uint32_t> parts;
-        for (const CellTriple& t : made.faces) parts.insert(find(t[0]));
-        return parts.size();
-    };
-    EXPECT_EQ(count_parts(test::two_sheets(70, 0.04), 60, 300), 2U);
-    EXPECT_EQ(count_parts(test::many_spheres(3, 10), 50, 27 * 15), 27U);
+    const double gap = 0.04;
+    BlockFixture fixture(test::two_sheets(70, gap), 60, 1000);
+    const ClusterMesh mesh = refine(fixture, 300);
+    const double cell = fixture.blocks.grid.cell_size(fixture.blocks.lattice);
+    for (const CollapseVertex& vertex : contents(mesh.vertices)) {
+        const double height =
+            static_cast<double>(vertex.box[5]) - static_cast<double>(vertex.box[2]);
+        EXPECT_LT(height, gap / cell + 0.5);
+    }
 }
 
 TEST(BlockRefiner, AKeyBoundsTheClusters) {
-    const auto context = test::make_context();
-    const CellBlocks cells = test::cluster_mesh(*context, test::torus(100, 40), 60, 1, 700);
-    const Made clusters(BlockRefiner(*context, cells, Priority::Displacement).refine_to_key(4));
-    EXPECT_LT(clusters.size(), cells.n_cells());
-    expect_all_used(clusters, cells);
-    for (const CollapseVertex& v : clusters.vertices) {
-        EXPECT_LE(farthest_corner({v.box[0], v.box[1], v.box[2]}, {v.box[3], v.box[4], v.box[5]},
-                                  v.position),
-                  4 + 1e-4);
-    }
-}
-
-TEST(CellsAsClusters, KeepsEverything) {
-    const auto context = test::make_context();
-    const CellBlocks cells = test::cluster_mesh(*context, test::cube_sphere(30, 0.01), 30, 1, 300);
-    const Made clusters(cells_as_clusters(*context, cells));
-    EXPECT_EQ(clusters.size(), cells.n_cells());
-    auto faces = test::read_all(cells.faces);
-    std::sort(faces.begin(), faces.end());
-    EXPECT_EQ(clusters.faces, faces);
-}
-
-TEST(OctreeFusion, MakesAtMostTheClustersAskedFor) {
-    const Mesh mesh = test::cube_sphere(50, 0.01);
-    for (const unsigned n_threads : {1U, 8U}) {
-        const auto context = test::make_context(n_threads);
-        const CellBlocks cells = test::cluster_mesh(*context, mesh, 50, 1, 2000);
-        const std::uint64_t n_cells = cells.n_cells();
-        for (const std::uint64_t n : {n_cells / 20, n_cells / 4, n_cells / 2, n_cells - 1}) {
-            const Made clusters(fuse_blocks(*context, cells, n));
-            EXPECT_LE(clusters.size(), n);
-            EXPECT_GE(clusters.size(), n - std::min<std::uint64_t>(n, 64));
-            expect_all_used(clusters, cells);
-            EXPECT_EQ(clusters, Made(fuse_blocks(*test::make_context(2), cells, n)));
+    constexpr double kCellDiagonal = 1.7321;
+    for (const std::uint64_t most_cells : {500U, 1U << 15}) {
+        BlockFixture fixture(test::torus(100, 40), 60, most_cells);
+        BlockRefiner refiner(*fixture.context, fixture.blocks, Priority::Displacement);
+        for (const double key : {4.0, 2.0, 0.0, 3.0}) {
+            const ClusterMesh mesh = refiner.refine_to_key(key);
+            EXPECT_EQ(mesh.n_clusters() < fixture.blocks.n_cells(), key > 1);
+            for (const CollapseVertex& v : contents(mesh.vertices)) {
+                const Vec3 low{v.box[0], v.box[1], v.box[2]};
+                const Vec3 high{v.box[3], v.box[4], v.box[5]};
+                EXPECT_LE(farthest_corner(low, high, v.position),
+                          std::max(key, kCellDiagonal) + 1e-4);
+            }
         }
-        EXPECT_EQ(Made(fuse_blocks(*context, cells, n_cells)).size(), n_cells);
-        EXPECT_EQ(Made(fuse_blocks(*context, cells, 2 * n_cells)).size(), n_cells);
     }
+}
+
+TEST(ClusterMeshBuilder, GroupsBecomeClustersAndFacesFollow) {
+    const Mesh mesh = test::cube_sphere(50, 0.02);
+    BlockFixture fixture(mesh, 50, 300);
+    fixture.add_attributes();
+    const cluster::CellBlocks& blocks = fixture.blocks;
+    ASSERT_GT(blocks.n_blocks(), 10U);
+    const auto codes = contents(blocks.codes);
+    const auto cells = contents(blocks.cells);
+    const auto attributes = contents(blocks.attributes);
+
+    // Every k-th cell of a block, from the last to the first.
+    constexpr std::uint64_t kStride = 5;
+    std::vector<std::uint32_t> cluster_of_cell(blocks.n_cells());
+    std::vector<CellGroups> all_groups(blocks.n_blocks());
+    std::uint32_t n_clusters = 0;
+    for (std::size_t b = 0; b < blocks.n_blocks(); ++b) {
+        for (std::uint64_t k = 0; k < std::min(kStride, fixture.n_cells_of(b)); ++k) {
+            all_groups[b].begins.push_back(static_cast<LocalCell>(all_groups[b].order.size()));
+            for (std::uint64_t i = fixture.n_cells_of(b); i-- > 0;) {
+                if (i % kStride != k) continue;
+                all_groups[b].order.push_back(static_cast<LocalCell>(i));
+                cluster_of_cell[blocks.blocks[b].first_cell + i] = n_clusters;
+            }
+            ++n_clusters;
+        }
+    }
+    const ClusterMesh result =
+        build_cluster_mesh(*fixture.context, blocks,
+                           [&](std::size_t b, CellGroups& groups) { groups = all_groups[b]; });
+
+    EXPECT_TRUE(result.is_closed);
+    ASSERT_EQ(result.n_clusters(), n_clusters);
+    ASSERT_EQ(result.n_blocks(), blocks.n_blocks());
+    EXPECT_EQ(result.blocks.back().first_cluster, n_clusters);
+    EXPECT_EQ(result.blocks.back().first_face, result.faces.size());
+
+    const auto vertices = contents(result.vertices);
+    std::vector<ClusterSums> sums(n_clusters);
+    std::vector<std::uint32_t> n_cells(n_clusters);
+    std::vector<float> red(n_clusters);
+    // Sums want a cell's centre for their origin; the mesh's is a cell's corner.
+    const Vec3 half{0.5, 0.5, 0.5};
+    for (std::uint64_t i = 0; i < codes.size(); ++i) {
+        cluster::CellRecord cell = cells[i];
+        const Vec3 center = cluster::center_of(codes[i]) - (result.origin + half);
+        for (std::size_t k = 0; k < 3; ++k) cell.mean[k] += static_cast<float>(center[k]);
+        sums[cluster_of_cell[i]].add(cell);
+        ++n_cells[cluster_of_cell[i]];
+        red[cluster_of_cell[i]] += attributes[i].color[0];
+    }
+    EXPECT_EQ(contents(result.n_cells), n_cells);
+    const auto result_attributes = contents(result.attributes);
+    for (std::uint32_t c = 0; c < n_clusters; ++c) {
+        EXPECT_EQ(result_attributes[c].color[0], red[c]);
+        const Vec3 expected =
+            representative(sums[c], cluster::eigen_decomposition(sums[c].quadric.a));
+        const CollapseVertex& vertex = vertices[c];
+        for (std::size_t k = 0; k < 3; ++k) {
+            EXPECT_NEAR(vertex.position[k], expected[k] + 0.5, 1e-2);
+            const double low = sums[c].low[k] + 0.5;
+            const double high = sums[c].high[k] + 0.5;
+            EXPECT_LE(static_cast<double>(vertex.box[k]), low);
+            EXPECT_GE(static_cast<double>(vertex.box[k]), low - 1e-4);
+            EXPECT_GE(static_cast<double>(vertex.box[3 + k]), high);
+            EXPECT_LE(static_cast<double>(vertex.box[3 + k]), high + 1e-4);
+        }
+        EXPECT_NEAR(vertex.quadric.trace(), sums[c].quadric.trace(), 1e-6);
+        EXPECT_NEAR(vertex.quadric.error(expected + half), sums[c].quadric.error(expected), 1e-2);
+    }
+
+    for (std::size_t b = 0; b < blocks.n_blocks(); ++b) {
+        const auto& first = blocks.blocks[b];
+        EXPECT_EQ(result.blocks[b].box.code, first.box.code);
+        EXPECT_EQ(result.blocks[b].first_cluster, cluster_of_cell[first.first_cell]);
+        std::vector<CellTriple> faces(blocks.blocks[b + 1].first_face - first.first_face);
+        blocks.faces.read(first.first_face, std::span(faces));
+        std::vector<CellTriple> expected;
+        for (const CellTriple& face : faces) {
+            const CellTriple t{cluster_of_cell[face[0]], cluster_of_cell[face[1]],
+                               cluster_of_cell[face[2]]};
+            if (t[0] != t[1] && t[1] != t[2] && t[0] != t[2]) expected.push_back(t);
+        }
+        std::sort(expected.begin(), expected.end());
+        EXPECT_EQ(sorted_faces(result, b), expected);
+    }
+}
+
+TEST(ClusterMeshBuilder, CellsAsClustersKeepTheirIds) {
+    BlockFixture fixture(test::plane_grid(40, 0.01), 30, 200);
+    const ClusterMesh mesh = cells_as_clusters(*fixture.context, fixture.blocks);
+    EXPECT_EQ(contents(mesh.faces), contents(fixture.blocks.faces));
+    EXPECT_EQ(sum(contents(mesh.n_cells)), mesh.n_clusters());
+    EXPECT_FALSE(mesh.is_closed);
+    const auto codes = contents(fixture.blocks.codes);
+    const auto vertices = contents(mesh.vertices);
+    for (std::size_t i = 0; i < codes.size(); ++i) {
+        const Vec3 center = cluster::center_of(codes[i]) - mesh.origin;
+        for (std::size_t k = 0; k < 3; ++k) {
+            EXPECT_LE(std::fabs(vertices[i].position[k] - center[k]), 0.5);
+        }
+    }
+}
+
+TEST(ClusterMeshBuilder, NoCellsMakeNoClusters) {
+    const auto context = test::make_context();
+    cluster::CellBlocks blocks;
+    blocks.blocks.emplace_back();
+    EXPECT_EQ(cells_as_clusters(*context, blocks).n_clusters(), 0U);
+    BlockRefiner refiner(*context, blocks, Priority::Quadric);
+    EXPECT_EQ(refiner.refine_to_count(10).n_clusters(), 0U);
+    EXPECT_EQ(refiner.refine_to_key(1).n_clusters(), 0U);
 }
 
 }  // namespace hewer::rsimp

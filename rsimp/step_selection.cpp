@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "rsimp/key_selection.h"
+#include "rsimp/step_selection.h"
 
 #include <algorithm>
 #include <bit>
