@@ -194,6 +194,11 @@ class CornerFinder {
     /// All triangles of the batch go to `accumulator`. Returns how many were left out because a
     /// vertex is not finite.
     std::uint64_t add_all(const TriangleBatch& batch, Accumulator& accumulator) {
+        if (table_.epoch() > input_.most_spills) throw Incoherent();
+        if (input_.vertices != nullptr) {
+            n_seen_ += batch.corners.size();
+            if (input_.vertices->is_thrashing(n_seen_)) throw Incoherent();
+        }
         std::uint64_t n_left_out = 0;
         std::array<Corner, 3> t;
         for (std::size_t k = 0; k < batch.corners.size();) {
@@ -257,6 +262,7 @@ class CornerFinder {
     const AccumulateInput& input_;
     CellTable& table_;
     std::optional<VertexPages::View> view_;
+    std::uint64_t n_seen_ = 0;  // triangles, by this worker
 };
 
 }  // namespace
@@ -292,6 +298,39 @@ AccumulateResult accumulate(ooc::Context& context, const AccumulateInput& input,
     for (const auto& [place, defects] : defects_by_place) result.defects.merge(defects);
     result.defects.degenerate_triangles += n_degenerate;
     const double cell = input.grid.cell_size(input.lattice);
+    result.area = static_cast<double>(area_units) / kAreaScale * cell * cell;
+    return result;
+}
+
+AccumulateResult accumulate(ooc::Context& context, TrianglePartition& partition,
+                            const Lattice& lattice, const UniformGrid& grid, CellTable& table,
+                            std::vector<TripleList>& triples, bool with_face_normals) {
+    AccumulateResult result;
+    std::mutex mutex;
+    std::int64_t area_units = 0;
+    context.workers().on_each([&](unsigned worker) {
+        Accumulator accumulator(context, grid, table, triples[worker], with_face_normals);
+        std::vector<LatticeTriangle> points;
+        std::array<Corner, 3> t;
+        while (partition.next(points)) {
+            {
+                const CellTable::Admission admission(table, 3 * points.size());
+                for (const LatticeTriangle& triangle : points) {
+                    for (std::size_t c = 0; c < 3; ++c) {
+                        t[c] = {triangle[c], table.find_or_insert(grid.key(triangle[c]))};
+                    }
+                    accumulator.add(t);
+                }
+                accumulator.flush();
+            }
+            context.check_stop();
+        }
+        const std::lock_guard lock(mutex);
+        result.n_triangles += accumulator.n_triangles;
+        result.defects.degenerate_triangles += accumulator.n_degenerate;
+        area_units += accumulator.area_units;
+    });
+    const double cell = grid.cell_size(lattice);
     result.area = static_cast<double>(area_units) / kAreaScale * cell * cell;
     return result;
 }

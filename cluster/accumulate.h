@@ -11,6 +11,7 @@
 #include "cluster/cell_record.h"
 #include "cluster/cell_table.h"
 #include "cluster/lattice.h"
+#include "cluster/triangle_partition.h"
 #include "cluster/uniform_grid.h"
 #include "cluster/vertex_pages.h"
 #include "hewer/mesh_source.h"
@@ -58,6 +59,8 @@ struct AccumulateInput {
     const UniformGrid& grid;
     VertexPages* vertices;  ///< null for a soup
     const Bounds& bounds;   ///< checked for soups
+    /// Most spills of the table before the triangles count as incoherent.
+    std::uint64_t most_spills = ~std::uint64_t{0};
 };
 
 /// Per triangle: its plane, weighted by a third of its area, goes to the cell of each corner (a
@@ -67,9 +70,18 @@ struct AccumulateInput {
 ///
 /// One pass, all workers. Unlike the paper: area instead of area-squared weights, border sums,
 /// exact integer sums, and duplicates are left to the consumer of the triples. Throws: what the
-/// source throws, OutOfMemoryBudget, Cancelled.
+/// source throws, OutOfMemoryBudget, Cancelled, Incoherent.
 /// `triples` has a list for each worker; they may be taken away when the table spills.
 AccumulateResult accumulate(ooc::Context& context, const AccumulateInput& input, CellTable& table,
+                            std::vector<TripleList>& triples, bool with_face_normals);
+
+/// Thrown by accumulate() where it would take for ever: the triangles jump about in the file (see
+/// VertexPages) or in space, so that the window or the table is refilled for every few of them.
+struct Incoherent {};
+
+/// The same for triangles that have been brought into order. No defects are met any more.
+AccumulateResult accumulate(ooc::Context& context, TrianglePartition& partition,
+                            const Lattice& lattice, const UniformGrid& grid, CellTable& table,
                             std::vector<TripleList>& triples, bool with_face_normals);
 
 }  // namespace hewer::cluster

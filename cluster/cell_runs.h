@@ -38,6 +38,7 @@ class CellRuns {
     /// of their median corner. The triples are taken away, the table stays as it is. Memory beside
     /// them: bytes_per_cell().
     void add(CellTable& table, std::vector<TripleList>& triples);
+    void clear() { runs_.clear(); }
     [[nodiscard]] bool empty() const { return runs_.empty(); }
     [[nodiscard]] std::uint64_t n_runs() const { return runs_.size(); }
 

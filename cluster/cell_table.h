@@ -76,6 +76,9 @@ class CellTable {
     void release_index();
     /// Frees everything.
     void release();
+    /// Forgets everything, and keeps the memory for what comes next: a new epoch. No Admission may
+    /// be alive.
+    void clear();
 
   private:
     static constexpr unsigned kChunkBits = 14;
@@ -84,7 +87,6 @@ class CellTable {
 
     void ensure_room(std::uint64_t n_cells);
     void make_room(std::uint64_t n);
-    void clear();
     [[nodiscard]] bool has_room(std::uint64_t n_cells) const;
 
     ooc::Context& context_;

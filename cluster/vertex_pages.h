@@ -3,6 +3,7 @@
 /// hand use.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <mutex>
 #include <optional>
@@ -54,10 +55,13 @@ class VertexPages {
 
     static constexpr LatticePoint kNotFinite{0xffffffffU, 0xffffffffU, 0xffffffffU};
 
-    /// Pages loaded so far; of a coherent file hardly more than it has.
-    [[nodiscard]] std::uint64_t n_loads() const { return n_loads_; }
-    [[nodiscard]] std::uint64_t n_pages() const { return pages_.size(); }
-    [[nodiscard]] bool is_resident() const { return frames_.empty(); }
+    /// Whether far more vertices have been loaded than `n_triangles` of a coherent file would need
+    /// (half a vertex each). Any thread.
+    [[nodiscard]] bool is_thrashing(std::uint64_t n_triangles) const {
+        constexpr std::uint64_t kMostPerTriangle = 12;
+        const std::uint64_t loaded = n_loads_.load(std::memory_order_relaxed) * kPageVertices;
+        return loaded > kMostPerTriangle * n_triangles + 8 * frames_.size() * kPageVertices;
+    }
 
     /// One worker's pages of the present batch.
     class View {
@@ -110,7 +114,7 @@ class VertexPages {
     std::vector<Frame> frames_;
     std::size_t hand_ = 0;  // of the clock that finds a page to give up
     ooc::Reservation page_bytes_;
-    std::uint64_t n_loads_ = 0;
+    std::atomic<std::uint64_t> n_loads_{0};
     std::size_t most_pinned_ = ~std::size_t{0};  // by each worker
     VertexBatch batch_;
 };

@@ -110,6 +110,9 @@ class SpoolReader {
         return piece;
     }
 
+    /// Place of the record that next() will return.
+    [[nodiscard]] std::uint64_t position() const { return at_ - (filled_ - used_); }
+
   private:
     bool fill() {
         const std::uint64_t n = std::min<std::uint64_t>(buffer_.size(), last_ - at_);

@@ -12,6 +12,7 @@
 #include "cluster/accumulate.h"
 #include "cluster/cell_runs.h"
 #include "cluster/cell_sample.h"
+#include "cluster/vertex_join.h"
 #include "cluster/vertex_pages.h"
 #include "cluster/vertex_store.h"
 #include "hewer/error.h"
@@ -43,6 +44,12 @@ constexpr std::uint64_t kWindowShare = 8;
 constexpr std::uint64_t kSpareShare = 16;
 constexpr std::uint64_t kSpareBytes = 6 << 20;
 constexpr std::uint64_t kLeastTableCells = 20'000;
+// The table may be spilled so many times, and so many times as often as all cells take, before the
+// triangles count as being in no order.
+constexpr std::uint64_t kLeastSpills = 4;
+constexpr std::uint64_t kMostSpillsPerCell = 4;
+// Of the limit, for the vertices of a range of the join.
+constexpr std::uint64_t kRangeShare = 4;
 
 CellSample sample_vertices(ooc::Context& context, const VertexStore& vertices) {
     CellSample sample(vertices.points.size());
@@ -201,14 +208,39 @@ class Pass {
         table.set_overflow(
             {most_cells, [&] { runs.add(table, triples); },
              [&] { return n_pieces.load(std::memory_order_relaxed) > most_pieces; }});
-        if (with_attributes && info.is_indexed) {
+        const auto add_attributes = [&] {
+            if (!with_attributes || !info.is_indexed) return;
             cluster::add_vertex_attributes(context_, source_, lattice_, grid, table);
             ++report_.input.vertex_passes;
-        }
-        const cluster::AccumulateInput input{source_, lattice_, grid, pages ? &*pages : nullptr,
-                                             bounds_};
-        result = cluster::accumulate(context_, input, table, triples, with_face_normals);
+        };
+        add_attributes();
+        // A file in order spills each cell about once.
+        const std::uint64_t most_spills =
+            kLeastSpills + table.epoch() + kMostSpillsPerCell * expected / most_cells;
+        const cluster::AccumulateInput input{source_, lattice_,   grid, pages ? &*pages : nullptr,
+                                             bounds_, most_spills};
         ++report_.input.triangle_passes;
+        try {
+            result = cluster::accumulate(context_, input, table, triples, with_face_normals);
+        } catch (const cluster::Incoherent&) {
+            // Begins again with the triangles in order of place.
+            pages.reset();
+            table.clear();
+            for (TripleList& list : triples) list = TripleList(&n_pieces);
+            n_pieces = 0;
+            runs.clear();
+            context_.warn(info.name +
+                          ": its triangles are in no order; they are sorted by place first");
+            cluster::TrianglePartition partition(context_);
+            const InputDefects defects = fill(partition);
+            vertices_ = {};
+            add_attributes();
+            result = cluster::accumulate(context_, partition, lattice_, grid, table, triples,
+                                         with_face_normals);
+            const std::uint64_t n_degenerate = result.defects.degenerate_triangles;
+            result.defects = defects;
+            result.defects.degenerate_triangles += n_degenerate;
+        }
         pages.reset();
         vertices_ = {};
         if (runs.empty()) {
@@ -235,12 +267,28 @@ class Pass {
         if (options_.tuning.table_cells != 0) return options_.tuning.table_cells;
         const std::uint64_t taken = context_.budget().limit() / kSpareShare + kSpareBytes + window +
                                     (vertices_.store.points.size() * 16) +
-                                    ooc::MemoryBudget::kFixedBytes;
+                                    ooc::MemoryBudget::fixed_bytes(context_.budget().limit());
         const std::uint64_t limit = context_.budget().limit();
         const double left = limit > taken ? static_cast<double>(limit - taken) : 0;
         return std::clamp<std::uint64_t>(
             static_cast<std::uint64_t>(left / CellRuns::bytes_per_cell(has_attributes)),
             kLeastTableCells, CellTable::kNone - 1);
+    }
+    InputDefects fill(cluster::TrianglePartition& partition) {
+        ++report_.input.triangle_passes;
+        if (!source_.info().is_indexed) {
+            return cluster::partition_soup(context_, source_, lattice_, bounds_, partition).defects;
+        }
+        report_.input.triangle_passes += 1;
+        report_.input.vertex_passes += 1;
+        if (vertices_.is_resident && !source_.can_seek_vertices()) {
+            vertices_.spooled = cluster::spool_vertices(context_, source_, bounds_, lattice_);
+            ++report_.input.vertex_passes;
+        }
+        vertices_.store = {};
+        return cluster::join_vertices(context_, source_, vertices_.spooled, lattice_,
+                                      context_.budget().limit() / kRangeShare, partition)
+            .defects;
     }
     void make_pages(const CellTable& table, std::uint64_t window,
                     std::optional<VertexPages>& pages) {

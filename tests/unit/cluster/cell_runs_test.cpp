@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "cluster/vertex_join.h"
 #include "cluster/vertex_pages.h"
 #include "ooc/parallel.h"
 #include "tests/support/batch_source.h"
@@ -130,6 +131,35 @@ TEST(CellRuns, SoupsToo) {
     const test::Cells expected = make(mesh, 50, {.is_soup = true}, nullptr);
     for (const std::uint64_t table : {60U, 1000U}) {
         expect_equal(expected, make(mesh, 50, {.table_cells = table, .is_soup = true}, nullptr));
+    }
+}
+
+TEST(VertexJoin, PutsEveryTriangleTogether) {
+    const Mesh mesh = test::shuffled(test::cube_sphere(60, 0.01), 5);
+    const Bounds bounds = test::bounds_of(mesh);
+    const Lattice lattice(bounds);
+    const UniformGrid grid(40);
+    const test::Cells expected = make(mesh, 40, {}, nullptr);
+    for (const std::uint64_t range_bytes : {1U, 1U << 18, 1U << 30}) {
+        for (const std::uint64_t table_cells : {200U, 1'000'000U}) {
+            const auto context = test::make_context(2);
+            test::BatchSource source(mesh, {.seed = 0});
+            const ooc::Spool<LatticePoint> spooled =
+                spool_vertices(*context, source, bounds, lattice);
+            TrianglePartition partition(*context);
+            join_vertices(*context, source, spooled, lattice, range_bytes, partition);
+            CellTable table(*context, 16, false);
+            std::vector<TripleList> triples(2);
+            CellRuns runs(*context, false);
+            table.set_overflow({table_cells, [&] { runs.add(table, triples); }, {}});
+            const AccumulateResult result =
+                accumulate(*context, partition, lattice, grid, table, triples, false);
+            EXPECT_EQ(result.n_triangles, mesh.triangles.size());
+            EXPECT_NEAR(result.area, test::area(mesh), 1e-3 * test::area(mesh));
+            runs.add(table, triples);
+            table.release();
+            expect_equal(expected, test::Cells(runs.merge(lattice, grid, 3, kMostCells)));
+        }
     }
 }
 
