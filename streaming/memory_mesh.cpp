@@ -37,6 +37,11 @@ void InputDefects::merge(const InputDefects& other) {
     keep_first(first_out_of_range, other.first_out_of_range);
 }
 
+void MeshSink::add_points(std::span<const std::array<Vec3, 3>> triangles) {
+    throw InternalError("a sink that needs indices was given " + std::to_string(triangles.size()) +
+                        " triangles as points");
+}
+
 namespace {
 
 constexpr std::uint64_t kBatch = 16384;
