@@ -11,6 +11,7 @@ namespace hewer::rsimp {
 namespace {
 
 constexpr std::uint64_t kWordBits = 64;
+constexpr std::uint64_t kCountBits = 9;  // up to 5 * 64
 constexpr std::uint64_t kLeastFans = 512;
 
 bool is_first_fan(VertexId id) {
@@ -39,6 +40,9 @@ void IdIndex::append(VertexId id) {
     if (is_first_fan(id)) {
         const std::uint64_t bit = cluster % (kWords * kWordBits);
         lines_[line].bits[bit / kWordBits] |= std::uint64_t{1} << (bit % kWordBits);
+        for (std::uint64_t w = bit / kWordBits + 1; w < kWords; ++w) {
+            lines_[line].counts += std::uint64_t{1} << (w * kCountBits);
+        }
     } else {
         if (n_fans_ == fans_.size()) {
             ooc::Array<VertexId> larger(*budget_, "vertex index",
@@ -63,14 +67,13 @@ std::uint64_t IdIndex::rank(VertexId id) const {
     const std::uint64_t l = cluster / (kWords * kWordBits);
     const Line& line = lines_[l];
     const std::uint64_t bit = cluster % (kWords * kWordBits);
-    std::uint64_t rank = line.before;
-    for (std::uint64_t w = 0; w < bit / kWordBits; ++w) {
-        rank += static_cast<std::uint64_t>(std::popcount(line.bits[w]));
-    }
+    const std::uint64_t w = bit / kWordBits;
+    std::uint64_t rank =
+        line.before + (line.counts >> (w * kCountBits) & ((std::uint64_t{1} << kCountBits) - 1));
     // A further fan comes after the first one of its own cluster.
     const std::uint64_t own = std::uint64_t{1} << (bit % kWordBits);
     const std::uint64_t lower = is_first_fan(id) ? own - 1 : (own - 1) | own;
-    rank += static_cast<std::uint64_t>(std::popcount(line.bits[bit / kWordBits] & lower));
+    rank += static_cast<std::uint64_t>(std::popcount(line.bits[w] & lower));
     if (lines_[l + 1].fans > line.fans) {
         rank += static_cast<std::uint64_t>(first_not_below(l, id) - fans_.begin()) - line.fans;
     }

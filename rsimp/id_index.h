@@ -13,10 +13,11 @@
 namespace hewer::rsimp {
 
 /// A set of ids that answers how many are smaller. A bit for each cluster whose first fan is there,
-/// in cache lines that begin with the count before them, and the ids of all further fans. A look-up
-/// touches one line, and the next where there are further fans. Any number of threads may look up.
+/// in cache lines that begin with the counts before them, and the ids of all further fans. A
+/// look-up touches one line, and the next where there are further fans. Any number of threads may
+/// look up.
 ///
-/// Memory: a sixth of a byte for each cluster between the first and the last, 8 to 24 bytes for
+/// Memory: a fifth of a byte for each cluster between the first and the last, 8 to 24 bytes for
 /// each further fan.
 class IdIndex {
   public:
@@ -33,10 +34,11 @@ class IdIndex {
     [[nodiscard]] std::optional<std::uint64_t> find(VertexId id) const;
 
   private:
-    static constexpr std::uint64_t kWords = 6;
+    static constexpr std::uint64_t kWords = 5;
     struct alignas(64) Line {
         std::uint64_t before;  // ids of lower lines
         std::uint64_t fans;    // of these, further fans
+        std::uint64_t counts;  // of bits before each word of the line, kCountBits each
         std::array<std::uint64_t, kWords> bits;
     };
     [[nodiscard]] const VertexId* first_not_below(std::uint64_t line, VertexId id) const;
