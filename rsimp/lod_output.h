@@ -26,8 +26,8 @@ namespace hewer::rsimp {
 /// only.
 ///
 /// Passes: two over the vertices, one over the faces, one more of each if a vertex has no normal of
-/// its own. Memory: IdIndex, TopologyCounter, and kWindowFaceBytes * kWindowFaces (6 MiB) for each
-/// window in work, one more than threads.
+/// its own. Memory: IdIndex, TopologyCounter, kWindowFaceBytes * kWindowFaces (6 MiB) for each
+/// window in work, of which there is one more than threads, and 2 MiB for the sink.
 class LodOutput {
   public:
     struct Format {
@@ -39,8 +39,8 @@ class LodOutput {
         bool has_double_positions;
     };
 
-    /// Faces that are ordered together. Measured on an LOD of 1 M triangles, vertices transformed a
-    /// triangle with a cache of 16: see docs/output_formats.md.
+    /// Faces that are ordered together. On an LOD of 4 M triangles .688 vertices a triangle are
+    /// transformed with a cache of 16 entries; .686 in windows of 2^16, .681 in one of all faces.
     static constexpr std::uint64_t kWindowFaces = 1 << 15;
 
     /// With `with_parents`, the ids of the last two LODs are kept, on spools, for parents().

@@ -31,7 +31,8 @@ Point unit_normal(const Point& a, const Point& b, const Point& c) {
         v[i] = static_cast<double>(c[i]) - static_cast<double>(a[i]);
     }
     const Vec3 n{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
-    const double length = std::hypot(n[0], n[1], n[2]);
+    // Products of differences of floats: their squares neither overflow nor vanish in double.
+    const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
     if (!(length > 0)) return {0, 0, 0};
     return {static_cast<float>(n[0] / length), static_cast<float>(n[1] / length),
             static_cast<float>(n[2] / length)};
