@@ -194,8 +194,8 @@ class CornerFinder {
     /// All triangles of the batch go to `accumulator`. Returns how many were left out because a
     /// vertex is not finite.
     std::uint64_t add_all(const TriangleBatch& batch, Accumulator& accumulator) {
-        if (table_.epoch() > input_.most_spills) throw Incoherent();
-        if (input_.vertices != nullptr) {
+        if (input_.most_spills && table_.epoch() > *input_.most_spills) throw Incoherent();
+        if (input_.most_spills && input_.vertices != nullptr) {
             n_seen_ += batch.corners.size();
             if (input_.vertices->is_thrashing(n_seen_)) throw Incoherent();
         }

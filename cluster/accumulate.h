@@ -6,6 +6,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "cluster/cell_record.h"
@@ -59,8 +60,8 @@ struct AccumulateInput {
     const UniformGrid& grid;
     VertexPages* vertices;  ///< null for a soup
     const Bounds& bounds;   ///< checked for soups
-    /// Most spills of the table before the triangles count as incoherent.
-    std::uint64_t most_spills = ~std::uint64_t{0};
+    /// Most spills of the table before the triangles count as incoherent. None: they never do.
+    std::optional<std::uint64_t> most_spills = std::nullopt;
 };
 
 /// Per triangle: its plane, weighted by a third of its area, goes to the cell of each corner (a

@@ -2,7 +2,6 @@
 /// One limit for the whole process: what grows with input or output reserves its bytes here first.
 #pragma once
 
-#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -41,8 +40,7 @@ class MemoryBudget {
   public:
     /// `limit` bytes for the process, of which `fixed` are taken at once for what does not grow:
     /// code, stacks, libraries.
-    explicit MemoryBudget(std::uint64_t limit) : MemoryBudget(limit, fixed_bytes(limit)) {}
-    MemoryBudget(std::uint64_t limit, std::uint64_t fixed);
+    explicit MemoryBudget(std::uint64_t limit, std::uint64_t fixed = kFixedBytes);
 
     /// What does not fit makes the reclaimer free memory first. Throws OutOfMemoryBudget, naming
     /// `what`, the bytes asked, used and the limit.
@@ -66,11 +64,6 @@ class MemoryBudget {
 
     /// Code, libraries, stacks and allocator slack of a process with a few threads; measured.
     static constexpr std::uint64_t kFixedBytes = 16ULL << 20;
-    /// With what the allocator and the system need on top for what is reserved: page tables, ends
-    /// of mappings, small pieces on the heap.
-    static constexpr std::uint64_t fixed_bytes(std::uint64_t limit) {
-        return kFixedBytes + std::min<std::uint64_t>(limit / 48, 64ULL << 20);
-    }
 
   private:
     friend class Reservation;

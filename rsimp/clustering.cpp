@@ -267,7 +267,8 @@ class Pass {
         if (options_.tuning.table_cells != 0) return options_.tuning.table_cells;
         const std::uint64_t taken = context_.budget().limit() / kSpareShare + kSpareBytes + window +
                                     (vertices_.store.points.size() * 16) +
-                                    ooc::MemoryBudget::fixed_bytes(context_.budget().limit());
+                                    ooc::MemoryBudget::kFixedBytes +
+                                    slack_bytes(context_.budget().limit());
         const std::uint64_t limit = context_.budget().limit();
         const double left = limit > taken ? static_cast<double>(limit - taken) : 0;
         return std::clamp<std::uint64_t>(

@@ -4,110 +4,79 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
-#include <unordered_map>
+#include <optional>
+#include <vector>
 
-#include "hewer/error.h"
 #include "ooc/parallel.h"
 #include "ooc/vec3.h"
 #include "rsimp/cluster_summary.h"
-#include "rsimp/face_normals.h"
-#include "rsimp/mesh_topology.h"
-#include "rsimp/vertex_rank.h"
+#include "rsimp/lod_parents.h"
 #include "streaming/vertex_cache_order.h"
 
 namespace hewer::rsimp {
 
 namespace {
 
-constexpr std::uint64_t kPiece = 1 << 14;   // vertices handed to a sink at once
-constexpr std::uint64_t kWindow = 1 << 16;  // faces that are ordered together
+constexpr std::uint64_t kPiece = 1 << 13;  // vertices, and triangles, handed to a sink at once
+// A sink of ours, and pieces on their way to it.
+constexpr std::uint64_t kSinkBytes = 2 << 20;
+
+std::uint64_t n_pieces(std::uint64_t n, std::uint64_t piece) {
+    return (n + piece - 1) / piece;
+}
 
 std::uint16_t to_channel(float sum, float n) {
     return static_cast<std::uint16_t>(std::lround(std::clamp(sum / n, 0.0F, 65535.0F)));
 }
 
-std::array<float, 3> unit(std::array<float, 3> n) {
-    const float length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+/// +z where there is no direction.
+std::array<float, 3> unit(const Vec3& n) {
+    const double length = std::sqrt(dot(n, n));
     if (!(length > 0)) return {0, 0, 1};
-    for (float& x : n) x /= length;
-    return n;
+    return {static_cast<float>(n[0] / length), static_cast<float>(n[1] / length),
+            static_cast<float>(n[2] / length)};
 }
 
-/// In the order for a vertex cache; vertices keep their numbers.
-void order_window(std::vector<std::array<std::uint32_t, 3>>& faces) {
-    std::vector<std::uint32_t> vertices;
-    for (const auto& t : faces) vertices.insert(vertices.end(), t.begin(), t.end());
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-    for (auto& t : faces) {
-        for (std::uint32_t& v : t) {
-            v = static_cast<std::uint32_t>(std::lower_bound(vertices.begin(), vertices.end(), v) -
-                                           vertices.begin());
-        }
-    }
-    std::vector<std::uint32_t> new_index(vertices.size());
-    streaming::order_for_vertex_cache(faces, vertices.size(), new_index);
-    std::vector<std::uint32_t> old(vertices.size());
-    for (std::uint32_t v = 0; v < new_index.size(); ++v) old[new_index[v]] = vertices[v];
-    for (auto& t : faces) {
-        for (std::uint32_t& v : t) v = old[v];
-    }
+Vec3 to_double(const std::array<float, 3>& v) {
+    return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
 }
 
 }  // namespace
 
-LodOutput::LodOutput(ooc::Context& context, const Format& format, bool with_parents)
-    : context_(context), format_(format), with_parents_(with_parents) {}
+/// Vertices as they go out, bar the normals that come from faces.
+struct LodOutput::VertexPiece {
+    std::vector<Vec3> positions;
+    std::vector<std::array<float, 3>> normals;
+    std::vector<Rgba16> colors;
+};
+
+/// A window as it goes out.
+struct LodOutput::FacePiece {
+    FaceWindow window;  // faces in drawing order
+    WindowTopology topology;
+    std::vector<Vec3> positions;  // of its vertices, in model units, for sinks that take points
+};
+
+LodOutput::LodOutput(ooc::Context& context, const Format& format, bool with_parents,
+                     std::uint64_t window_faces)
+    : context_(context),
+      format_(format),
+      with_parents_(with_parents),
+      window_faces_(window_faces) {}
 
 Vec3 LodOutput::to_model(const Vec3& origin, const Vec3& position) const {
     return format_.lattice.origin() +
            (format_.grid.cell_size(format_.lattice) * (origin + position));
 }
 
-void LodOutput::survey(const MeshStore& mesh, LodReport& report) const {
-    report.triangles = mesh.faces.size();
-    report.vertices = mesh.vertices.size();
-    report.bounds = {};
-    double farthest = 0;
-    ooc::SpoolReader<StoredVertex> vertices(mesh.vertices);
-    while (const StoredVertex* v = vertices.next()) {
-        report.bounds.extend(to_model(mesh.origin, v->vertex.position));
-        const auto& box = v->vertex.box;
-        farthest =
-            std::max(farthest, farthest_corner({box[0], box[1], box[2]}, {box[3], box[4], box[5]},
-                                               v->vertex.position));
-    }
-    report.error_bound = farthest * format_.grid.cell_size(format_.lattice);
-}
-
-ooc::Spool<LodOutput::IndexFace> LodOutput::index_faces(const MeshStore& mesh) const {
-    const VertexRank rank(context_, mesh.vertices);
-    ooc::Spool<IndexFace> indexed(context_, "LOD triangles");
-    context_.workers().in_order(
-        (mesh.faces.size() + kWindow - 1) / kWindow, 2 * context_.n_threads(),
-        [&](std::uint64_t w) {
-            const std::uint64_t first = w * kWindow;
-            std::vector<Face> faces(std::min(kWindow, mesh.faces.size() - first));
-            mesh.faces.read(first, faces);
-            std::vector<IndexFace> own;
-            own.reserve(faces.size());
-            for (const Face& f : faces) {
-                own.push_back({rank.of(f[0]), rank.of(f[1]), rank.of(f[2])});
-            }
-            return own;
-        },
-        [&](std::uint64_t, const std::vector<IndexFace>& own) { indexed.append(own); });
-    return indexed;
-}
-
 void LodOutput::write(const MeshStore& mesh, MeshSink& sink, LodReport& report) {
-    if (mesh.vertices.size() > std::numeric_limits<std::uint32_t>::max()) {
-        throw InvalidArgument("the level of detail has more than 2^32 vertices; ask for fewer");
-    }
-    survey(mesh, report);
-    const ooc::Spool<IndexFace> faces = index_faces(mesh);
-    report.topology = count_topology(context_, faces, report.vertices);
+    report.vertices = mesh.vertices.size();
+    report.triangles = mesh.faces.size();
+    const std::uint64_t n_at_work = std::uint64_t{context_.n_threads()} + 1;
+    const ooc::Reservation windows = context_.budget().reserve(
+        "windows of the LOD", n_at_work * kWindowFaceBytes *
+                                  std::max(kPiece, std::min(window_faces_, mesh.faces.size())));
+    const IdIndex index = survey(mesh, report);
     SinkHeader header;
     header.n_vertices = report.vertices;
     header.n_triangles = report.triangles;
@@ -117,93 +86,167 @@ void LodOutput::write(const MeshStore& mesh, MeshSink& sink, LodReport& report) 
     header.bounds = report.bounds;
     header.has_double_positions = format_.has_double_positions;
     sink.begin(header);
-    send_vertices(mesh, faces, sink);
-    send_triangles(faces, sink);
+    send_vertices(mesh, index, sink);
+    send_faces(mesh, index, sink, report);
+}
+
+IdIndex LodOutput::survey(const MeshStore& mesh, LodReport& report) {
+    struct Piece {
+        std::vector<VertexId> ids;
+        Bounds bounds;
+        double farthest = 0;
+    };
+    const std::uint64_t n = mesh.vertices.size();
+    IdIndex index(context_, n > 0 ? mesh.vertices.at(0).id : 0,
+                  n > 0 ? mesh.vertices.at(n - 1).id : 0);
     if (with_parents_) {
         before_ = std::move(last_);
-        last_.clear();
-        ooc::SpoolReader<StoredVertex> vertices(mesh.vertices);
-        while (const StoredVertex* v = vertices.next()) last_.push_back(v->id);
+        last_ = ooc::Spool<VertexId>(context_, "vertex ids of an LOD");
     }
-}
-
-void LodOutput::send_vertices(const MeshStore& mesh, const ooc::Spool<IndexFace>& faces,
-                              MeshSink& sink) {
-    const auto missing = format_.has_normals
-                             ? missing_normals(mesh, faces)
-                             : std::unordered_map<std::uint32_t, std::array<float, 3>>{};
-    const bool has_attributes = format_.has_normals || format_.has_colors;
-    std::vector<StoredVertex> vertices;
-    std::vector<cluster::CellAttributes> attributes;
-    std::vector<Vec3> positions;
-    std::vector<std::array<float, 3>> normals;
-    std::vector<Rgba16> colors;
-    for (std::uint64_t first = 0; first < mesh.vertices.size(); first += kPiece) {
-        vertices.resize(std::min(kPiece, mesh.vertices.size() - first));
-        mesh.vertices.read(first, vertices);
-        positions.clear();
-        normals.clear();
-        colors.clear();
-        for (const StoredVertex& v : vertices) {
-            positions.push_back(to_model(mesh.origin, v.vertex.position));
-            for (const double x : positions.back()) add_to_hash(std::bit_cast<std::uint64_t>(x));
-        }
-        if (has_attributes) {
-            attributes.resize(vertices.size());
-            mesh.attributes.read(first, attributes);
-            for (std::size_t i = 0; i < attributes.size(); ++i) {
-                const cluster::CellAttributes& a = attributes[i];
-                if (format_.has_normals) {
-                    const auto it = missing.find(static_cast<std::uint32_t>(first + i));
-                    normals.push_back(unit(it == missing.end() ? a.normal : it->second));
-                }
-                if (format_.has_colors) {
-                    const float n = std::max(a.n_colors, 1.0F);
-                    colors.push_back({to_channel(a.color[0], n), to_channel(a.color[1], n),
-                                      to_channel(a.color[2], n), to_channel(a.color[3], n)});
-                }
-            }
-        }
-        sink.add_vertices({positions, normals, colors});
-        context_.check_stop();
-    }
-}
-
-void LodOutput::send_triangles(const ooc::Spool<IndexFace>& faces, MeshSink& sink) {
-    std::vector<Triangle> triangles;
+    report.bounds = {};
+    double farthest = 0;
     context_.workers().in_order(
-        (faces.size() + kWindow - 1) / kWindow, 2 * context_.n_threads(),
-        [&](std::uint64_t w) {
-            const std::uint64_t first = w * kWindow;
-            std::vector<IndexFace> own(std::min(kWindow, faces.size() - first));
-            faces.read(first, own);
-            order_window(own);
-            context_.check_stop();
-            return own;
-        },
-        [&](std::uint64_t, const std::vector<IndexFace>& own) {
-            triangles.clear();
-            for (const IndexFace& t : own) {
-                triangles.push_back({t[0], t[1], t[2]});
-                add_to_hash(t[0] | static_cast<std::uint64_t>(t[1]) << 32);
-                add_to_hash(t[2]);
+        n_pieces(n, kPiece), context_.n_threads() + 1,
+        [&](std::uint64_t i) {
+            std::vector<StoredVertex> vertices(std::min(kPiece, n - i * kPiece));
+            mesh.vertices.read(i * kPiece, vertices);
+            Piece piece;
+            piece.ids.reserve(vertices.size());
+            for (const StoredVertex& v : vertices) {
+                const auto& box = v.vertex.box;
+                const Vec3 low{static_cast<double>(box[0]), static_cast<double>(box[1]),
+                               static_cast<double>(box[2])};
+                const Vec3 high{static_cast<double>(box[3]), static_cast<double>(box[4]),
+                                static_cast<double>(box[5])};
+                piece.ids.push_back(v.id);
+                piece.bounds.extend(to_model(mesh.origin, v.vertex.position));
+                piece.farthest =
+                    std::max(piece.farthest, farthest_corner(low, high, v.vertex.position));
             }
-            sink.add_triangles(triangles);
+            return piece;
+        },
+        [&](std::uint64_t, const Piece& piece) {
+            for (const VertexId id : piece.ids) index.append(id);
+            if (with_parents_) last_.append(piece.ids);
+            report.bounds.extend(piece.bounds);
+            farthest = std::max(farthest, piece.farthest);
+            context_.check_stop();
+        });
+    report.error_bound = farthest * format_.grid.cell_size(format_.lattice);
+    return index;
+}
+
+LodOutput::VertexPiece LodOutput::make_vertices(const MeshStore& mesh, std::uint64_t first) const {
+    VertexPiece piece;
+    const std::uint64_t n = std::min(kPiece, mesh.vertices.size() - first);
+    std::vector<StoredVertex> vertices(n);
+    mesh.vertices.read(first, vertices);
+    piece.positions.reserve(n);
+    for (const StoredVertex& v : vertices) {
+        piece.positions.push_back(to_model(mesh.origin, v.vertex.position));
+    }
+    if (!format_.has_normals && !format_.has_colors) return piece;
+    std::vector<cluster::CellAttributes> attributes(n);
+    mesh.attributes.read(first, attributes);
+    for (const cluster::CellAttributes& a : attributes) {
+        if (format_.has_normals) piece.normals.push_back(unit(to_double(a.normal)));
+        if (format_.has_colors) {
+            const float count = std::max(a.n_colors, 1.0F);
+            piece.colors.push_back({to_channel(a.color[0], count), to_channel(a.color[1], count),
+                                    to_channel(a.color[2], count), to_channel(a.color[3], count)});
+        }
+    }
+    return piece;
+}
+
+void LodOutput::send_vertices(const MeshStore& mesh, const IdIndex& index, MeshSink& sink) {
+    ooc::Spool<FaceNormal> from_faces;
+    std::optional<ooc::SpoolReader<FaceNormal>> reader;
+    if (format_.has_normals) {
+        from_faces = missing_normals(context_, mesh, index, window_faces_);
+        if (!from_faces.empty()) reader.emplace(from_faces);
+    }
+    const bool takes_points = sink.takes_points();
+    context_.workers().in_order(
+        n_pieces(mesh.vertices.size(), kPiece), context_.n_threads() + 1,
+        [&](std::uint64_t i) { return make_vertices(mesh, i * kPiece); },
+        [&](std::uint64_t i, VertexPiece& piece) {
+            const std::uint64_t first = i * kPiece;
+            const std::uint64_t end = first + piece.positions.size();
+            while (reader && reader->peek() != nullptr && reader->peek()->vertex < end) {
+                const std::uint64_t v = reader->peek()->vertex;
+                Vec3 sum{};
+                while (reader->peek() != nullptr && reader->peek()->vertex == v) {
+                    sum = sum + reader->next()->sum;
+                }
+                piece.normals[v - first] = unit(sum);
+            }
+            for (const Vec3& p : piece.positions) {
+                for (const double x : p) add_to_hash(std::bit_cast<std::uint64_t>(x));
+            }
+            if (!takes_points) sink.add_vertices({piece.positions, piece.normals, piece.colors});
+            context_.check_stop();
         });
 }
 
-LodParents LodOutput::parents(const std::vector<std::pair<VertexId, VertexId>>& merges) const {
-    std::unordered_map<VertexId, VertexId> parent(merges.begin(), merges.end());
-    LodParents result;
-    result.reserve(before_.size());
-    for (VertexId id : before_) {
-        for (auto it = parent.find(id); it != parent.end(); it = parent.find(id)) id = it->second;
-        const auto at = std::lower_bound(last_.begin(), last_.end(), id);
-        result.push_back(at != last_.end() && *at == id
-                             ? static_cast<std::uint64_t>(at - last_.begin())
-                             : std::numeric_limits<std::uint64_t>::max());
+LodOutput::FacePiece LodOutput::make_faces(const MeshStore& mesh, const IdIndex& index,
+                                           std::uint64_t window, bool with_points) const {
+    FacePiece piece;
+    const std::uint64_t first = window * window_faces_;
+    piece.window =
+        load_window(mesh, index, first, std::min(first + window_faces_, mesh.faces.size()));
+    piece.topology = count_window(piece.window);
+    streaming::order_for_vertex_cache(piece.window.faces, piece.window.vertices.size());
+    if (with_points) {
+        piece.positions = read_positions(mesh, piece.window.vertices);
+        for (Vec3& p : piece.positions) p = to_model(mesh.origin, p);
     }
-    return result;
+    return piece;
+}
+
+void LodOutput::send_faces(const MeshStore& mesh, const IdIndex& index, MeshSink& sink,
+                           LodReport& report) {
+    TopologyCounter topology(context_);
+    const bool takes_points = sink.takes_points();
+    context_.workers().in_order(
+        n_pieces(mesh.faces.size(), window_faces_), context_.n_threads() + 1,
+        [&](std::uint64_t w) { return make_faces(mesh, index, w, takes_points); },
+        [&](std::uint64_t, const FacePiece& piece) {
+            topology.add(piece.window, piece.topology);
+            send_window(piece, sink);
+            context_.check_stop();
+        });
+    report.topology = topology.report(report.vertices, report.triangles);
+}
+
+void LodOutput::send_window(const FacePiece& piece, MeshSink& sink) {
+    const std::vector<std::uint64_t>& vertices = piece.window.vertices;
+    const auto& faces = piece.window.faces;
+    std::vector<Triangle> triangles;
+    std::vector<std::array<Vec3, 3>> points;
+    for (std::size_t first = 0; first < faces.size(); first += kPiece) {
+        const auto part = std::span(faces).subspan(first, std::min(kPiece, faces.size() - first));
+        triangles.clear();
+        points.clear();
+        for (const auto& f : part) {
+            for (const std::uint32_t v : f) add_to_hash(vertices[v]);
+            if (piece.positions.empty()) {
+                triangles.push_back({vertices[f[0]], vertices[f[1]], vertices[f[2]]});
+            } else {
+                points.push_back(
+                    {piece.positions[f[0]], piece.positions[f[1]], piece.positions[f[2]]});
+            }
+        }
+        if (piece.positions.empty()) {
+            sink.add_triangles(triangles);
+        } else {
+            sink.add_points(points);
+        }
+    }
+}
+
+LodParents LodOutput::parents(std::span<const std::pair<VertexId, VertexId>> merges) const {
+    return find_parents(context_, before_, merges, last_);
 }
 
 }  // namespace hewer::rsimp

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// A finished mesh on its way out.
+/// A finished mesh of any size on its way out.
 #pragma once
 
-#include <array>
 #include <cstdint>
+#include <span>
 #include <utility>
-#include <vector>
 
 #include "cluster/lattice.h"
 #include "cluster/uniform_grid.h"
@@ -13,14 +12,22 @@
 #include "hewer/report.h"
 #include "hewer/simplify.h"
 #include "ooc/context.h"
+#include "rsimp/face_normals.h"
+#include "rsimp/face_window.h"
+#include "rsimp/id_index.h"
 #include "rsimp/mesh_store.h"
+#include "rsimp/mesh_topology.h"
 
 namespace hewer::rsimp {
 
-/// Writes the LODs of one run. Vertices go out in the order of their ids, which is Morton order;
-/// triangles in that of their smallest vertex, in windows of fixed size that are each in the order
-/// a graphics card draws fastest. Memory: VertexRank, count_topology(), and for each window at work
-/// 6 MiB.
+/// Writes the LODs of one run. Vertices go out in the order of their ids, which is Morton order and
+/// so good for fetching them; triangles in that of their smallest vertex, in windows of fixed size
+/// that are each in the order a graphics card draws fastest. Sinks that take points get triangles
+/// only.
+///
+/// Passes: two over the vertices, one over the faces, one more of each if a vertex has no normal of
+/// its own. Memory: IdIndex, TopologyCounter, kWindowFaceBytes * kWindowFaces (6 MiB) for each
+/// window in work, of which there is one more than threads, and 2 MiB for the sink.
 class LodOutput {
   public:
     struct Format {
@@ -32,35 +39,45 @@ class LodOutput {
         bool has_double_positions;
     };
 
-    /// With `with_parents`, 8 bytes a vertex of the last two LODs are held for parents().
-    LodOutput(ooc::Context& context, const Format& format, bool with_parents);
+    /// Faces that are ordered together. On an LOD of 4 M triangles .688 vertices a triangle are
+    /// transformed with a cache of 16 entries; .686 in windows of 2^16, .681 in one of all faces.
+    static constexpr std::uint64_t kWindowFaces = 1 << 15;
 
-    /// Fills counts, bounds, error bound and topology of `report`.
+    /// With `with_parents`, the ids of the last two LODs are kept, on spools, for parents().
+    LodOutput(ooc::Context& context, const Format& format, bool with_parents,
+              std::uint64_t window_faces = kWindowFaces);
+
+    /// Fills counts, bounds, error bound and topology of `report`. finish() of the sink is left to
+    /// the caller. Throws what the sink and spools throw, Cancelled.
     void write(const MeshStore& mesh, MeshSink& sink, LodReport& report);
 
-    /// Parents of the LOD before the last one in the last one, from the merges between them, in
-    /// order.
-    [[nodiscard]] LodParents parents(
-        const std::vector<std::pair<VertexId, VertexId>>& merges) const;
+    /// Parents of the LOD before the last one in the last one: find_parents() with the merges
+    /// between them.
+    [[nodiscard]] LodParents parents(std::span<const std::pair<VertexId, VertexId>> merges) const;
 
-    /// FNV-1a over all that was written, in 64-bit words.
+    /// FNV-1a over all that was written, in 64-bit words: the same whatever the sink takes.
     [[nodiscard]] std::uint64_t hash() const { return hash_; }
 
   private:
-    using IndexFace = std::array<std::uint32_t, 3>;
+    struct VertexPiece;
+    struct FacePiece;
 
     [[nodiscard]] Vec3 to_model(const Vec3& origin, const Vec3& position) const;
-    void survey(const MeshStore& mesh, LodReport& report) const;
-    ooc::Spool<IndexFace> index_faces(const MeshStore& mesh) const;
-    void send_vertices(const MeshStore& mesh, const ooc::Spool<IndexFace>& faces, MeshSink& sink);
-    void send_triangles(const ooc::Spool<IndexFace>& faces, MeshSink& sink);
+    IdIndex survey(const MeshStore& mesh, LodReport& report);
+    [[nodiscard]] VertexPiece make_vertices(const MeshStore& mesh, std::uint64_t first) const;
+    void send_vertices(const MeshStore& mesh, const IdIndex& index, MeshSink& sink);
+    [[nodiscard]] FacePiece make_faces(const MeshStore& mesh, const IdIndex& index,
+                                       std::uint64_t window, bool with_points) const;
+    void send_faces(const MeshStore& mesh, const IdIndex& index, MeshSink& sink, LodReport& report);
+    void send_window(const FacePiece& piece, MeshSink& sink);
     void add_to_hash(std::uint64_t word) { hash_ = (hash_ ^ word) * 0x100000001b3ULL; }
 
     ooc::Context& context_;
     Format format_;
     bool with_parents_;
-    std::vector<VertexId> before_;  // ids of the LOD before the last one
-    std::vector<VertexId> last_;
+    std::uint64_t window_faces_;
+    ooc::Spool<VertexId> before_;  // ids of the LOD before the last one
+    ooc::Spool<VertexId> last_;
     std::uint64_t hash_ = 0xcbf29ce484222325ULL;
 };
 

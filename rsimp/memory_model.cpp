@@ -87,7 +87,7 @@ std::uint64_t ample_memory_bytes(const MemoryCounts& n) {
 
 std::uint64_t temp_bytes(const MemoryCounts& n, std::uint64_t limit) {
     const auto beyond = [&](std::uint64_t bytes, std::uint64_t working) {
-        const std::uint64_t taken = ooc::MemoryBudget::fixed_bytes(limit) + working;
+        const std::uint64_t taken = ooc::MemoryBudget::kFixedBytes + slack_bytes(limit) + working;
         return bytes - std::min(bytes, limit - std::min(limit, taken));
     };
     // A table that cannot hold all cells goes out in runs, which stay until the cells are merged.

@@ -2,6 +2,7 @@
 /// How much memory a run takes, as a function of counts: docs/memory.md in code.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 namespace hewer::rsimp {
@@ -15,6 +16,12 @@ struct MemoryCounts {
     unsigned n_threads = 1;
     bool has_attributes = false;
 };
+
+/// Of a limit, for what the allocator and the system take on top of what is reserved: page tables,
+/// ends of mappings, small pieces on the heap.
+constexpr std::uint64_t slack_bytes(std::uint64_t limit) {
+    return std::min<std::uint64_t>(limit / 48, 64ULL << 20);
+}
 
 /// With less than this a run may fail; with it, it goes through, whatever the rest of the counts:
 /// what does not fit waits on disk.

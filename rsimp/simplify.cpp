@@ -17,6 +17,7 @@
 #include "rsimp/grid_choice.h"
 #include "rsimp/lod_chain.h"
 #include "rsimp/lod_output.h"
+#include "rsimp/memory_model.h"
 #include "rsimp/stage_log.h"
 #include "rsimp/start_mesh.h"
 
@@ -76,6 +77,8 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
                           .max_temp_bytes = options.max_temp_bytes,
                           .page_bytes = options.tuning.page_bytes},
                          hooks, stage_weights());
+    const ooc::Reservation slack =
+        context.budget().reserve("slack", slack_bytes(context.budget().limit()));
     SimplifyReport report;
     report.version = version();
     report.options = options;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// simplify() from file to files, with the manifest of a LOD chain.
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <system_error>
 #include <utility>
@@ -7,6 +8,7 @@
 #include "hewer/simplify.h"
 #include "hewer/version.h"
 #include "ooc/file.h"
+#include "streaming/mesh_writer.h"
 
 namespace hewer {
 
@@ -39,6 +41,43 @@ std::string manifest(const SimplifyReport& report) {
     return root.dump(2) + "\n";
 }
 
+/// Throws InvalidArgument if what `target` asks for will not go into the format of `path`: now, not
+/// after hours of work. Does nothing where the target does not tell the size.
+void require_target_fits(const std::filesystem::path& path, const Target& target,
+                         const SourceInfo& info) {
+    // A run makes at least this share of a target that the input has enough triangles for.
+    constexpr double kLeastShare = 0.99;
+    // Closed surfaces have half a vertex a triangle, those with borders more; fewer than this only
+    // where nearly every vertex belongs to a handle.
+    constexpr double kLeastVerticesPerTriangle = 0.45;
+    const auto n_faces = static_cast<double>(info.n_faces);
+    double triangles = 0;
+    switch (target.kind) {
+        case Target::Kind::Triangles:
+            triangles = std::min(target.value, n_faces);
+            break;
+        case Target::Kind::Ratio:
+            triangles = std::min(target.value, 1.0) * n_faces;
+            break;
+        case Target::Kind::Vertices:
+            triangles = std::min(target.value / kLeastVerticesPerTriangle, n_faces);
+            break;
+        case Target::Kind::Error:
+        case Target::Kind::RelativeError:
+            return;
+    }
+    SinkHeader header;
+    header.n_triangles =
+        std::max(static_cast<std::uint64_t>(kLeastShare * triangles), std::uint64_t{1});
+    header.n_vertices =
+        std::max(static_cast<std::uint64_t>(kLeastVerticesPerTriangle * kLeastShare * triangles),
+                 std::uint64_t{1});
+    header.has_normals = info.has_normals;
+    header.has_colors = info.has_colors;
+    header.has_alpha = info.has_alpha;
+    streaming::require_format_fits(path, header);
+}
+
 }  // namespace
 
 std::filesystem::path lod_path(const std::filesystem::path& output, std::size_t lod,
@@ -59,6 +98,9 @@ SimplifyReport simplify_file(const std::filesystem::path& input,
     std::vector<std::unique_ptr<MeshSink>> sinks;
     for (std::size_t i = 0; i < n; ++i) {
         const std::filesystem::path path = lod_path(output, i, n);
+        if (i < options.targets.size()) {
+            require_target_fits(path, options.targets[i], source->info());
+        }
         std::error_code ignored;
         if (std::filesystem::equivalent(input, path, ignored)) {
             throw InvalidArgument(path.string() +

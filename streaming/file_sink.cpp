@@ -33,6 +33,7 @@ void FileSink::begin(const SinkHeader& header) {
 void FileSink::add_vertices(const VertexSpan& vertices) {
     const std::size_t n = vertices.positions.size();
     require(state_ == State::Begun, "vertices outside begin() and finish()");
+    require(!has_points_, "vertices after triangles that are points");
     if (n > header_.n_vertices - n_vertices_) {
         require(false, of(n_vertices_ + n, header_.n_vertices, "vertices"));
     }
@@ -47,9 +48,6 @@ void FileSink::add_triangles(std::span<const Triangle> triangles) {
     if (n_vertices_ != header_.n_vertices) {
         require(false, "triangles after " + of(n_vertices_, header_.n_vertices, "vertices"));
     }
-    if (triangles.size() > header_.n_triangles - n_triangles_) {
-        require(false, of(n_triangles_ + triangles.size(), header_.n_triangles, "triangles"));
-    }
     for (const Triangle& t : triangles) {
         const std::uint64_t largest = std::max({t[0], t[1], t[2]});
         if (largest >= n_vertices_) {
@@ -57,13 +55,33 @@ void FileSink::add_triangles(std::span<const Triangle> triangles) {
                                ooc::format_count(n_vertices_));
         }
     }
-    n_triangles_ += triangles.size();
+    count_triangles(triangles.size());
     write_triangles(triangles);
+}
+
+void FileSink::add_points(std::span<const std::array<Vec3, 3>> triangles) {
+    require(takes_points(), "triangles as points");
+    require(state_ == State::Begun, "triangles outside begin() and finish()");
+    require(n_vertices_ == 0, "triangles as points after vertices");
+    has_points_ = true;
+    count_triangles(triangles.size());
+    write_points(triangles);
+}
+
+void FileSink::write_points(std::span<const std::array<Vec3, 3>> triangles) {
+    MeshSink::add_points(triangles);
+}
+
+void FileSink::count_triangles(std::size_t n) {
+    if (n > header_.n_triangles - n_triangles_) {
+        require(false, of(n_triangles_ + n, header_.n_triangles, "triangles"));
+    }
+    n_triangles_ += n;
 }
 
 void FileSink::finish() {
     require(state_ == State::Begun, "finish() without begin()");
-    if (n_vertices_ != header_.n_vertices) {
+    if (!has_points_ && n_vertices_ != header_.n_vertices) {
         require(false, "finish() after " + of(n_vertices_, header_.n_vertices, "vertices"));
     }
     if (n_triangles_ != header_.n_triangles) {

@@ -15,7 +15,8 @@ namespace hewer::streaming {
 
 /// A MeshSink that holds its callers to the contract of MeshSink and leaves to a format only the
 /// layout. begin() once, then all announced vertices, then all announced triangles with ids below
-/// the number of vertices, then finish(): everything else is an InternalError before a wrong byte
+/// the number of vertices (or, where the format takes points, all triangles as points), then
+/// finish(): everything else is an InternalError before a wrong byte
 /// can get its name. Normals and colours must come with every vertex if they were announced and are
 /// passed over if they were not.
 ///
@@ -27,6 +28,7 @@ class FileSink : public MeshSink {
     void begin(const SinkHeader& header) final;
     void add_vertices(const VertexSpan& vertices) final;
     void add_triangles(std::span<const Triangle> triangles) final;
+    void add_points(std::span<const std::array<Vec3, 3>> triangles) final;
     void finish() final;
     [[nodiscard]] std::uint64_t bytes_written() const final { return file_.bytes_written(); }
 
@@ -39,6 +41,8 @@ class FileSink : public MeshSink {
     virtual void write_header() = 0;
     virtual void write_vertices(const VertexSpan& vertices) = 0;
     virtual void write_triangles(std::span<const Triangle> triangles) = 0;
+    /// Overridden with takes_points().
+    virtual void write_points(std::span<const std::array<Vec3, 3>> triangles);
     /// What comes after the last triangle.
     virtual void write_end() {}
 
@@ -68,6 +72,7 @@ class FileSink : public MeshSink {
   private:
     enum class State { Opened, Begun, Finished };
     void require(bool holds, const std::string& what) const;
+    void count_triangles(std::size_t n);
 
     ooc::OutputFile file_;
     std::vector<char> block_;
@@ -75,6 +80,7 @@ class FileSink : public MeshSink {
     State state_ = State::Opened;
     std::uint64_t n_vertices_ = 0;
     std::uint64_t n_triangles_ = 0;
+    bool has_points_ = false;  // instead of vertices
 };
 
 /// The buffer of OutputFile, the block, and what the allocator adds.

@@ -53,6 +53,19 @@ std::array<float, 3> unit(const std::array<float, 3>& n) {
             static_cast<float>(z / length)};
 }
 
+GlbLayout layout_of(const SinkHeader& header) {
+    GlbLayout layout;
+    layout.n_vertices = header.n_vertices;
+    layout.n_triangles = header.n_triangles;
+    layout.has_normals = header.has_normals;
+    layout.has_colors = header.has_colors;
+    return layout;
+}
+
+std::uint64_t padded_binary_bytes(const GlbLayout& layout) {
+    return (layout.binary_bytes() + 3) / 4 * 4;
+}
+
 class GlbWriter final : public FileSink {
   public:
     GlbWriter(const std::filesystem::path& path, bool overwrite) : FileSink(path, overwrite) {}
@@ -60,11 +73,8 @@ class GlbWriter final : public FileSink {
   private:
     void write_header() override {
         const SinkHeader& h = header();
-        layout_.n_vertices = h.n_vertices;
-        layout_.n_triangles = h.n_triangles;
-        layout_.has_normals = h.has_normals;
-        layout_.has_colors = h.has_colors;
-        require_it_fits();
+        require_glb_fits(path(), h);
+        layout_ = layout_of(h);
         if (float_is_too_coarse(h.bounds)) layout_.translation = local_origin(h.bounds);
         layout_.min.fill(std::numeric_limits<float>::infinity());
         layout_.max.fill(-std::numeric_limits<float>::infinity());
@@ -106,7 +116,7 @@ class GlbWriter final : public FileSink {
     }
 
     void write_end() override {
-        const std::string padding(padded_binary_bytes() - layout_.binary_bytes(), '\0');
+        const std::string padding(padded_binary_bytes(layout_) - layout_.binary_bytes(), '\0');
         file().write(padding);
 
         std::string document = glb_document(layout_);
@@ -118,34 +128,13 @@ class GlbWriter final : public FileSink {
         };
         put(kMagic);
         put(2);
-        put(kBinaryOffset + padded_binary_bytes());
+        put(kBinaryOffset + padded_binary_bytes(layout_));
         put(kGlbDocumentBytes);
         put(kJsonChunk);
         out = std::copy(document.begin(), document.end(), out);
-        put(padded_binary_bytes());
+        put(padded_binary_bytes(layout_));
         put(kBinChunk);
         file().write_at(0, front.data(), front.size());
-    }
-
-    [[nodiscard]] std::uint64_t padded_binary_bytes() const {
-        return (layout_.binary_bytes() + 3) / 4 * 4;
-    }
-
-    void require_it_fits() const {
-        if (layout_.n_vertices == 0 || layout_.n_triangles == 0) {
-            throw InvalidArgument(
-                path().string() +
-                ": glTF cannot hold a mesh without triangles; write .ply instead");
-        }
-        // The counts first: their product must not wrap.
-        if (std::max(layout_.n_vertices, layout_.n_triangles) > kMostFileBytes ||
-            kBinaryOffset + padded_binary_bytes() > kMostFileBytes) {
-            throw InvalidArgument(path().string() + ": " + ooc::format_count(layout_.n_vertices) +
-                                  " vertices and " + ooc::format_count(layout_.n_triangles) +
-                                  " triangles do not fit in a GLB file, which ends at 4 GiB; write "
-                                  ".ply instead, or ask for fewer triangles");
-        }
-        require_float_range(header().bounds, path(), "glTF");
     }
 
     GlbLayout layout_;
@@ -153,6 +142,22 @@ class GlbWriter final : public FileSink {
 };
 
 }  // namespace
+
+void require_glb_fits(const std::filesystem::path& path, const SinkHeader& header) {
+    if (header.n_vertices == 0 || header.n_triangles == 0) {
+        throw InvalidArgument(path.string() +
+                              ": glTF cannot hold a mesh without triangles; write .ply instead");
+    }
+    // The counts first: their product must not wrap.
+    if (std::max(header.n_vertices, header.n_triangles) > kMostFileBytes ||
+        kBinaryOffset + padded_binary_bytes(layout_of(header)) > kMostFileBytes) {
+        throw InvalidArgument(path.string() + ": " + ooc::format_count(header.n_vertices) +
+                              " vertices and " + ooc::format_count(header.n_triangles) +
+                              " triangles do not fit in a GLB file, which ends at 4 GiB; write "
+                              ".ply instead, or ask for fewer triangles");
+    }
+    require_float_range(header.bounds, path, "glTF");
+}
 
 std::unique_ptr<MeshSink> create_glb(const std::filesystem::path& path, bool overwrite) {
     return std::make_unique<GlbWriter>(path, overwrite);

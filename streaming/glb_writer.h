@@ -25,10 +25,12 @@ namespace hewer::streaming {
 /// document of fixed size that is filled in at the end, when the exact minimum and maximum of the
 /// positions are known. Memory: kFileSinkBytes + kGlbBytes.
 ///
-/// begin() throws InvalidArgument for a file above 4 GiB (GLB's lengths have 32 bits), for a mesh
-/// without vertices or triangles (glTF has no empty accessor) and for coordinates that no float
-/// reaches. Throws IoError as OutputFile does.
+/// begin() throws what require_glb_fits() throws, IoError as OutputFile does.
 std::unique_ptr<MeshSink> create_glb(const std::filesystem::path& path, bool overwrite);
+
+/// Throws InvalidArgument for a file above 4 GiB (GLB's lengths have 32 bits), for a mesh without
+/// vertices or triangles (glTF has no empty accessor) and for coordinates that no float reaches.
+void require_glb_fits(const std::filesystem::path& path, const SinkHeader& header);
 
 /// The table from sRGB to linear light, and the document while it is built.
 constexpr std::uint64_t kGlbBytes = (128 << 10) + (64 << 10);

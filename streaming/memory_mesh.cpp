@@ -41,6 +41,11 @@ void MeshSource::read_vertices(std::uint64_t, std::uint64_t, VertexBatch&) {
     throw InternalError("this source cannot seek");
 }
 
+void MeshSink::add_points(std::span<const std::array<Vec3, 3>> triangles) {
+    throw InternalError("a sink that needs indices was given " + std::to_string(triangles.size()) +
+                        " triangles as points");
+}
+
 namespace {
 
 constexpr std::uint64_t kBatch = 16384;

@@ -7,7 +7,6 @@
 #include <string_view>
 
 #include "hewer/error.h"
-#include "streaming/file_sink.h"
 #include "streaming/glb_writer.h"
 #include "streaming/obj_writer.h"
 #include "streaming/ply_writer.h"
@@ -20,15 +19,17 @@ namespace {
 struct Format {
     std::string_view extension;
     std::unique_ptr<MeshSink> (*create)(const std::filesystem::path&, bool);
-    std::uint64_t fixed_bytes;
-    std::uint64_t bytes_per_vertex;
+    void (*require_fits)(const std::filesystem::path&, const SinkHeader&);
 };
 
+/// OBJ is text: it has no limits.
+void accept(const std::filesystem::path& /*path*/, const SinkHeader& /*header*/) {}
+
 constexpr std::array<Format, 4> kFormats{{
-    {".ply", streaming::create_ply, streaming::kFileSinkBytes, 0},
-    {".obj", streaming::create_obj, streaming::kFileSinkBytes, 0},
-    {".stl", streaming::create_stl, streaming::kFileSinkBytes, streaming::kStlVertexBytes},
-    {".glb", streaming::create_glb, streaming::kFileSinkBytes + streaming::kGlbBytes, 0},
+    {".ply", streaming::create_ply, streaming::require_ply_fits},
+    {".obj", streaming::create_obj, accept},
+    {".stl", streaming::create_stl, streaming::require_stl_fits},
+    {".glb", streaming::create_glb, streaming::require_glb_fits},
 }};
 
 const Format& format_of(const std::filesystem::path& path) {
@@ -54,10 +55,8 @@ std::unique_ptr<MeshSink> create_mesh_file(const std::filesystem::path& path, bo
     return format_of(path).create(path, overwrite);
 }
 
-std::uint64_t streaming::sink_memory_bytes(const std::filesystem::path& path,
-                                           const SinkHeader& header) {
-    const Format& format = format_of(path);
-    return format.fixed_bytes + format.bytes_per_vertex * header.n_vertices;
+void streaming::require_format_fits(const std::filesystem::path& path, const SinkHeader& header) {
+    format_of(path).require_fits(path, header);
 }
 
 }  // namespace hewer

@@ -32,11 +32,7 @@ class PlyWriter final : public FileSink {
   private:
     void write_header() override {
         const SinkHeader& h = header();
-        if (h.n_vertices > kMostVertices) {
-            throw InvalidArgument(path().string() + ": " + ooc::format_count(h.n_vertices) +
-                                  " vertices; PLY has 32-bit indices and ends at " +
-                                  ooc::format_count(kMostVertices) + "; write .obj instead");
-        }
+        require_ply_fits(path(), h);
         is_double_ = needs_double(h);
         const std::string number = is_double_ ? "double" : "float";
         std::string text = "ply\nformat binary_little_endian 1.0\n";
@@ -87,6 +83,13 @@ class PlyWriter final : public FileSink {
 };
 
 }  // namespace
+
+void require_ply_fits(const std::filesystem::path& path, const SinkHeader& header) {
+    if (header.n_vertices <= kMostVertices) return;
+    throw InvalidArgument(path.string() + ": " + ooc::format_count(header.n_vertices) +
+                          " vertices; PLY has 32-bit indices and ends at " +
+                          ooc::format_count(kMostVertices) + "; write .obj instead");
+}
 
 std::unique_ptr<MeshSink> create_ply(const std::filesystem::path& path, bool overwrite) {
     return std::make_unique<PlyWriter>(path, overwrite);

@@ -19,7 +19,6 @@ namespace hewer::streaming {
 namespace {
 
 using Point = std::array<float, 3>;
-static_assert(sizeof(Point) == kStlVertexBytes);
 
 constexpr std::uint64_t kMostTriangles = std::numeric_limits<std::uint32_t>::max();
 constexpr std::size_t kTextBytes = 80;
@@ -32,10 +31,23 @@ Point unit_normal(const Point& a, const Point& b, const Point& c) {
         v[i] = static_cast<double>(c[i]) - static_cast<double>(a[i]);
     }
     const Vec3 n{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
-    const double length = std::hypot(n[0], n[1], n[2]);
+    // Products of differences of floats: their squares neither overflow nor vanish in double.
+    const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
     if (!(length > 0)) return {0, 0, 0};
     return {static_cast<float>(n[0] / length), static_cast<float>(n[1] / length),
             static_cast<float>(n[2] / length)};
+}
+
+Point to_point(const Vec3& p) {
+    return {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+}
+
+char* put_facet(char* out, const std::array<Point, 3>& corners) {
+    for (const float x : unit_normal(corners[0], corners[1], corners[2])) out = put_bytes(out, x);
+    for (const Point& p : corners) {
+        for (const float x : p) out = put_bytes(out, x);
+    }
+    return put_bytes(out, std::uint16_t{0});  // "attribute byte count"
 }
 
 class StlWriter final : public FileSink {
@@ -44,49 +56,51 @@ class StlWriter final : public FileSink {
 
   private:
     void write_header() override {
-        const SinkHeader& h = header();
-        if (h.n_triangles > kMostTriangles) {
-            throw InvalidArgument(path().string() + ": " + ooc::format_count(h.n_triangles) +
-                                  " triangles; STL has a 32-bit count and ends at " +
-                                  ooc::format_count(kMostTriangles) + "; write .ply instead");
-        }
-        require_float_range(h.bounds, path(), "STL");
-        points_.reserve(h.n_vertices);
+        require_stl_fits(path(), header());
         // Readers take a file that begins with "solid" for text.
         std::string text = "binary STL written by hewer " + std::string(version());
         text.resize(kTextBytes, ' ');
         file().write(text);
-        const auto count = static_cast<std::uint32_t>(h.n_triangles);
+        const auto count = static_cast<std::uint32_t>(header().n_triangles);
         std::array<char, sizeof count> bytes{};
         put_bytes(bytes.data(), count);
         file().write(bytes.data(), bytes.size());
     }
 
     void write_vertices(const VertexSpan& v) override {
-        for (const Vec3& p : v.positions) {
-            points_.push_back(
-                {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])});
-        }
+        points_.reserve(header().n_vertices);
+        for (const Vec3& p : v.positions) points_.push_back(to_point(p));
     }
 
     void write_triangles(std::span<const Triangle> triangles) override {
         write_records(triangles.size(), kFacetBytes, [&](std::size_t i, char* out) {
             const Triangle& t = triangles[i];
-            const std::array<Point, 3> corners{points_[t[0]], points_[t[1]], points_[t[2]]};
-            for (const float x : unit_normal(corners[0], corners[1], corners[2])) {
-                out = put_bytes(out, x);
-            }
-            for (const Point& p : corners) {
-                for (const float x : p) out = put_bytes(out, x);
-            }
-            return put_bytes(out, std::uint16_t{0});  // "attribute byte count"
+            return put_facet(out, {points_[t[0]], points_[t[1]], points_[t[2]]});
         });
     }
 
-    std::vector<Point> points_;
+    [[nodiscard]] bool takes_points() const override { return true; }
+
+    void write_points(std::span<const std::array<Vec3, 3>> triangles) override {
+        write_records(triangles.size(), kFacetBytes, [&](std::size_t i, char* out) {
+            const auto& t = triangles[i];
+            return put_facet(out, {to_point(t[0]), to_point(t[1]), to_point(t[2])});
+        });
+    }
+
+    std::vector<Point> points_;  // unless the triangles come as points
 };
 
 }  // namespace
+
+void require_stl_fits(const std::filesystem::path& path, const SinkHeader& header) {
+    if (header.n_triangles > kMostTriangles) {
+        throw InvalidArgument(path.string() + ": " + ooc::format_count(header.n_triangles) +
+                              " triangles; STL has a 32-bit count and ends at " +
+                              ooc::format_count(kMostTriangles) + "; write .ply instead");
+    }
+    require_float_range(header.bounds, path, "STL");
+}
 
 std::unique_ptr<MeshSink> create_stl(const std::filesystem::path& path, bool overwrite) {
     return std::make_unique<StlWriter>(path, overwrite);

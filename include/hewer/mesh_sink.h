@@ -32,8 +32,9 @@ struct VertexSpan {
 };
 
 /// Takes one mesh: begin(), any number of add_vertices(), any number of add_triangles(), finish().
-/// Exactly the announced numbers must be added. Nothing is visible under the final name until
-/// finish() has returned; a sink that is destroyed before that leaves no file behind. Throws:
+/// A sink that takes_points() may be given any number of add_points() instead of vertices and
+/// triangles. Exactly the announced numbers must be added. Nothing is visible under the final name
+/// until finish() has returned; a sink that is destroyed before that leaves no file behind. Throws:
 /// IoError; InvalidArgument from begin() if the format cannot hold the mesh.
 class MeshSink {
   public:
@@ -41,6 +42,11 @@ class MeshSink {
     virtual void begin(const SinkHeader& header) = 0;
     virtual void add_vertices(const VertexSpan& vertices) = 0;
     virtual void add_triangles(std::span<const Triangle> triangles) = 0;
+    /// True where every triangle carries its positions (STL): given as points, the sink need not
+    /// hold the vertices.
+    [[nodiscard]] virtual bool takes_points() const { return false; }
+    /// Throws InternalError unless takes_points().
+    virtual void add_points(std::span<const std::array<Vec3, 3>> triangles);
     virtual void finish() = 0;
     [[nodiscard]] virtual std::uint64_t bytes_written() const = 0;
 };

@@ -107,7 +107,7 @@ TEST(Spool, MakesRoomForReservations) {
     for (const auto& spool : spools) expect_all(spool, 10);
     spools.clear();
     EXPECT_EQ(context.spill().used(), 0U);
-    EXPECT_EQ(context.budget().used(), MemoryBudget::fixed_bytes(context.budget().limit()));
+    EXPECT_EQ(context.budget().used(), MemoryBudget::kFixedBytes);
 }
 
 TEST(Spool, ManyThreadsAppendReadAndEvict) {

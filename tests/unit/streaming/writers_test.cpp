@@ -314,16 +314,63 @@ TEST(GlbDocument, LongestOneFitsInThePlaceKeptForIt) {
     EXPECT_LT(1300U, streaming::kGlbDocumentBytes);
 }
 
-TEST(SinkMemory, GrowsWithVerticesForStlOnly) {
+TEST(RequireFormatFits, RefusesWhatBeginWouldRefuse) {
     SinkHeader header;
-    header.n_vertices = 1'000'000;
-    for (const char* name : {"a.ply", "a.obj", "a.glb"}) {
-        EXPECT_LT(streaming::sink_memory_bytes(name, header), 2U << 20) << name;
+    header.n_vertices = 200'000'000;
+    header.n_triangles = 400'000'000;
+    for (const char* name : {"a.ply", "a.obj", "a.stl"}) {
+        EXPECT_NO_THROW(streaming::require_format_fits(name, header)) << name;
     }
-    EXPECT_EQ(
-        streaming::sink_memory_bytes("a.stl", header) - streaming::sink_memory_bytes("a.stl", {}),
-        12'000'000U);
-    EXPECT_THROW((void)streaming::sink_memory_bytes("a.txt", header), InvalidArgument);
+    EXPECT_THROW(streaming::require_format_fits("a.glb", header), InvalidArgument);
+    header.n_triangles = std::uint64_t{1} << 32;
+    EXPECT_THROW(streaming::require_format_fits("a.stl", header), InvalidArgument);
+    EXPECT_NO_THROW(streaming::require_format_fits("a.ply", header));
+    header.n_vertices = (std::uint64_t{1} << 32) + 1;
+    EXPECT_THROW(streaming::require_format_fits("a.ply", header), InvalidArgument);
+    EXPECT_NO_THROW(streaming::require_format_fits("a.obj", header));
+    EXPECT_THROW(streaming::require_format_fits("a.txt", header), InvalidArgument);
+}
+
+TEST(StlPoints, GiveTheSameFileAsVerticesAndTriangles) {
+    const tests::TemporaryFolder folder;
+    const Mesh mesh = tests::wavy_sheet(40, 3, {1, 2, 3});
+    {
+        const auto sink = create_mesh_file(folder.path() / "indexed.stl");
+        tests::pour(mesh, *sink);
+    }
+    {
+        const auto sink = create_mesh_file(folder.path() / "points.stl");
+        ASSERT_TRUE(sink->takes_points());
+        sink->begin(tests::header_of(mesh));
+        std::vector<std::array<Vec3, 3>> points;
+        for (const Triangle& t : mesh.triangles) {
+            points.push_back({mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]});
+        }
+        sink->add_points(std::span(points).first(100));
+        EXPECT_THROW(sink->add_vertices({mesh.positions, mesh.normals, mesh.colors}),
+                     InternalError);
+        EXPECT_THROW(sink->add_points(points), InternalError) << "more than announced";
+        sink->add_points(std::span(points).subspan(100));
+        sink->finish();
+    }
+    EXPECT_EQ(tests::read_whole(folder.path() / "points.stl"),
+              tests::read_whole(folder.path() / "indexed.stl"));
+}
+
+TEST(StlPoints, AreForStlOnly) {
+    const tests::TemporaryFolder folder;
+    const std::vector<std::array<Vec3, 3>> points(1);
+    Mesh collected;
+    std::vector<std::unique_ptr<MeshSink>> sinks;
+    for (const char* name : {"a.ply", "a.obj", "a.glb"}) {
+        sinks.push_back(create_mesh_file(folder.path() / name));
+    }
+    sinks.push_back(collect_mesh(collected));
+    for (const auto& sink : sinks) {
+        EXPECT_FALSE(sink->takes_points());
+        sink->begin(tests::header_of(tests::wavy_sheet(3, 1, {0, 0, 0})));
+        EXPECT_THROW(sink->add_points(points), InternalError);
+    }
 }
 
 }  // namespace
