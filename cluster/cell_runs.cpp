@@ -16,6 +16,9 @@ namespace hewer::cluster {
 namespace {
 
 constexpr std::uint64_t kPiece = 1 << 12;
+// Buffers of all runs that are merged take this part of the limit; but each at least so much.
+constexpr std::uint64_t kBufferShare = 16;
+constexpr std::uint64_t kLeastBufferBytes = 8 << 10;
 
 struct CodedSlot {
     std::uint64_t code;
@@ -109,6 +112,19 @@ void add_to(AttributeSums& sums, const AttributeSums& part) {
 
 }  // namespace
 
+void CellRuns::clear() {
+    cells_ = {context_, "cell sums"};
+    attributes_ = {};
+    if (has_attributes_) attributes_ = {context_, "attribute sums"};
+    triples_ = {context_, "surviving triangles"};
+    ends_ = {{0, 0}};
+}
+
+std::uint64_t CellRuns::buffer_bytes() const {
+    return std::clamp<std::uint64_t>(context_.budget().limit() / kBufferShare / n_runs(),
+                                     kLeastBufferBytes, ooc::SpoolReader<RunCell>::kBufferBytes);
+}
+
 void CellRuns::add(CellTable& table, std::vector<TripleList>& triples) {
     const std::uint64_t n = table.size();
     ooc::Array<CodedSlot> order(context_.budget(), "cell order", n);
@@ -118,10 +134,6 @@ void CellRuns::add(CellTable& table, std::vector<TripleList>& triples) {
         ooc::Array<CodedSlot> scratch(context_.budget(), "cell order", n);
         ooc::radix_sort(order, scratch, [](const CodedSlot& s) { return s.code; });
     }
-    Run run;
-    run.cells = {context_, "cell sums"};
-    if (has_attributes_) run.attributes = {context_, "attribute sums"};
-    run.triples = {context_, "surviving triangles"};
     {
         ooc::Array<std::uint32_t> rank(context_.budget(), "cell ranks", n);
         for (std::uint64_t k = 0; k < n; ++k) {
@@ -135,7 +147,7 @@ void CellRuns::add(CellTable& table, std::vector<TripleList>& triples) {
                 piece.push_back(
                     {order[sorted[t][0]].code, order[sorted[t][1]].code, order[sorted[t][2]].code});
             }
-            run.triples.append(piece);
+            triples_.append(piece);
         }
     }
     std::vector<RunCell> cells;
@@ -148,11 +160,11 @@ void CellRuns::add(CellTable& table, std::vector<TripleList>& triples) {
             cells.push_back(run_cell(order[k].code, table.sums(slot)));
             if (has_attributes_) attributes.push_back(table.attributes(slot));
         }
-        run.cells.append(cells);
-        if (has_attributes_) run.attributes.append(attributes);
+        cells_.append(cells);
+        if (has_attributes_) attributes_.append(attributes);
         context_.check_stop();
     }
-    runs_.push_back(std::move(run));
+    ends_.push_back({cells_.size(), triples_.size()});
 }
 
 void CellRuns::merge_cells(double border_weight, std::uint64_t most_cells,
@@ -161,11 +173,13 @@ void CellRuns::merge_cells(double border_weight, std::uint64_t most_cells,
     std::vector<ooc::SpoolReader<RunCell>> readers;
     std::vector<ooc::SpoolReader<AttributeSums>> attribute_readers;
     const ooc::Reservation buffers = context_.budget().reserve(
-        "merging cells",
-        runs_.size() * ooc::SpoolReader<RunCell>::kBufferBytes * (has_attributes_ ? 2 : 1));
-    for (const Run& run : runs_) {
-        readers.emplace_back(run.cells);
-        if (has_attributes_) attribute_readers.emplace_back(run.attributes);
+        "merging cells", n_runs() * buffer_bytes() * (has_attributes_ ? 2 : 1));
+    for (std::size_t r = 0; r < n_runs(); ++r) {
+        const std::uint64_t first = ends_[r].cell;
+        const std::uint64_t last = ends_[r + 1].cell;
+        readers.emplace_back(cells_, first, last, buffer_bytes());
+        if (has_attributes_)
+            attribute_readers.emplace_back(attributes_, first, last, buffer_bytes());
     }
     const auto code_of = [](const RunCell& cell) { return cell.code; };
     RunMerger<RunCell, decltype(code_of)> merger(readers, code_of);
@@ -202,10 +216,12 @@ void CellRuns::merge_cells(double border_weight, std::uint64_t most_cells,
 }
 
 void CellRuns::merge_triples(CellBlocks& blocks) {
-    const ooc::Reservation buffers = context_.budget().reserve(
-        "merging triangles", runs_.size() * ooc::SpoolReader<CodeTriple>::kBufferBytes);
+    const ooc::Reservation buffers =
+        context_.budget().reserve("merging triangles", n_runs() * buffer_bytes());
     std::vector<ooc::SpoolReader<CodeTriple>> readers;
-    for (const Run& run : runs_) readers.emplace_back(run.triples);
+    for (std::size_t r = 0; r < n_runs(); ++r) {
+        readers.emplace_back(triples_, ends_[r].triple, ends_[r + 1].triple, buffer_bytes());
+    }
     const auto median = [](const CodeTriple& t) { return median_corner(t); };
     RunMerger<CodeTriple, decltype(median)> merger(readers, median);
     // A few blocks at a time: read by one thread, mapped by all.
@@ -257,12 +273,10 @@ CellBlocks CellRuns::merge(const Lattice& lattice, const UniformGrid& grid, doub
         blocks.n_border_cells = n_border_cells;
         blocks.is_consistently_wound = false;
     }
-    for (Run& run : runs_) {
-        run.cells.release();
-        run.attributes.release();
-    }
+    cells_.release();
+    attributes_.release();
     merge_triples(blocks);
-    runs_.clear();
+    clear();
     return blocks;
 }
 

@@ -32,19 +32,22 @@ using CodeTriple = std::array<std::uint64_t, 3>;
 class CellRuns {
   public:
     CellRuns(ooc::Context& context, bool has_attributes)
-        : context_(context), has_attributes_(has_attributes) {}
+        : context_(context), has_attributes_(has_attributes) {
+        clear();
+    }
 
     /// Everything in the table and all triples, as one more run: cells by code, triples by the code
     /// of their median corner. The triples are taken away, the table stays as it is. Memory beside
     /// them: bytes_per_cell().
     void add(CellTable& table, std::vector<TripleList>& triples);
-    void clear() { runs_.clear(); }
-    [[nodiscard]] bool empty() const { return runs_.empty(); }
-    [[nodiscard]] std::uint64_t n_runs() const { return runs_.size(); }
+    void clear();
+    [[nodiscard]] bool empty() const { return n_runs() == 0; }
+    [[nodiscard]] std::uint64_t n_runs() const { return ends_.size() - 1; }
 
-    /// The cells of all runs, as build_cell_blocks() makes them of one table. One pass over the
-    /// runs, two if the winding turns out to be inconsistent. Memory: a read buffer for each run,
-    /// and for each worker the codes of a few blocks.
+    /// The cells of all runs, as build_cell_blocks() makes them of one table; leaves no runs. One
+    /// pass over them, two if the winding turns out to be inconsistent. Memory: a read buffer for
+    /// each run, all together a small part of the limit, and for each worker the codes of a few
+    /// blocks.
     CellBlocks merge(const Lattice& lattice, const UniformGrid& grid, double border_weight,
                      std::uint64_t most_cells);
 
@@ -57,17 +60,21 @@ class CellRuns {
     }
 
   private:
-    struct Run {
-        ooc::Spool<RunCell> cells;
-        ooc::Spool<AttributeSums> attributes;  // parallel; empty if the input has none
-        ooc::Spool<CodeTriple> triples;
+    struct RunEnd {
+        std::uint64_t cell;
+        std::uint64_t triple;
     };
+    [[nodiscard]] std::uint64_t buffer_bytes() const;
     void merge_cells(double border_weight, std::uint64_t most_cells, CellBlocks& blocks) const;
     void merge_triples(CellBlocks& blocks);
 
     ooc::Context& context_;
     bool has_attributes_;
-    std::vector<Run> runs_;
+    // All runs behind one another: the unfinished page of a spool is memory that cannot be evicted.
+    ooc::Spool<RunCell> cells_;
+    ooc::Spool<AttributeSums> attributes_;  // parallel to cells; empty if the input has none
+    ooc::Spool<CodeTriple> triples_;
+    std::vector<RunEnd> ends_;  // and zeros before
 };
 
 }  // namespace hewer::cluster

@@ -27,6 +27,8 @@ namespace hewer::cluster {
 class CellTable {
   public:
     static constexpr std::uint32_t kNone = 0xffffffffU;
+    static constexpr unsigned kChunkBits = 14;
+    static constexpr std::uint32_t kChunk = 1U << kChunkBits;  ///< cells; memory grows by so many
 
     CellTable(ooc::Context& context, std::uint64_t expected_cells, bool has_attributes);
 
@@ -81,8 +83,6 @@ class CellTable {
     void clear();
 
   private:
-    static constexpr unsigned kChunkBits = 14;
-    static constexpr std::uint32_t kChunk = 1U << kChunkBits;
     static constexpr std::uint32_t kChunkMask = kChunk - 1;
 
     void ensure_room(std::uint64_t n_cells);

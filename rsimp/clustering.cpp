@@ -271,9 +271,11 @@ class Pass {
                                     slack_bytes(context_.budget().limit());
         const std::uint64_t limit = context_.budget().limit();
         const double left = limit > taken ? static_cast<double>(limit - taken) : 0;
-        return std::clamp<std::uint64_t>(
-            static_cast<std::uint64_t>(left / CellRuns::bytes_per_cell(has_attributes)),
-            kLeastTableCells, CellTable::kNone - 1);
+        const auto fit =
+            static_cast<std::uint64_t>(left / CellRuns::bytes_per_cell(has_attributes));
+        // The table grows by whole chunks.
+        return std::clamp<std::uint64_t>(fit - fit % CellTable::kChunk, kLeastTableCells,
+                                         CellTable::kNone - 1);
     }
     InputDefects fill(cluster::TrianglePartition& partition) {
         ++report_.input.triangle_passes;
