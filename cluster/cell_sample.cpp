@@ -16,6 +16,8 @@ constexpr double kBoxes = 128;  // along an axis: thousands on any surface
 // Width of the bracket, as a share of its lower end, at which interpolation takes over.
 constexpr double kFineEnough = 0.3;
 constexpr double kSeparating = 0.6;
+// An estimate of so many different positions among all means that all are different.
+constexpr double kAllDiffer = 0.9;
 
 std::uint64_t mix(std::uint64_t x) {
     x ^= x >> 33;
@@ -29,7 +31,7 @@ std::uint64_t mix(std::uint64_t x) {
 }  // namespace
 
 CellSample::CellSample(std::uint64_t n_points)
-    : stride_(std::max<std::uint64_t>(1, n_points / kWanted)) {}
+    : n_points_(n_points), stride_(std::max<std::uint64_t>(1, n_points / kWanted)) {}
 
 bool CellSample::is_chosen(const LatticePoint& p) const {
     if (stride_ == 1) return true;
@@ -57,7 +59,9 @@ double CellSample::count_cells(const UniformGrid& grid) const {
 }
 
 double CellSample::count_positions() const {
-    return count_cells(UniformGrid(UniformGrid::kMaxResolution));
+    const double n = count_cells(UniformGrid(UniformGrid::kMaxResolution));
+    const auto all = static_cast<double>(n_points_);
+    return n > kAllDiffer * all ? all : n;
 }
 
 double CellSample::separating_resolution() const {

@@ -48,6 +48,7 @@ class CellSample {
 
     // Estimates by resolution: each is asked for several times. One thread.
     mutable std::map<double, double> counted_;
+    std::uint64_t n_points_;
     std::uint64_t stride_;  // one of so many boxes is chosen
     std::vector<LatticePoint> points_;
 };

@@ -5,11 +5,6 @@
 
 namespace hewer::ooc {
 
-namespace {
-// At least this part of the limit is freed at once.
-constexpr std::uint64_t kLeastShare = 32;
-}  // namespace
-
 PageEvictor::PageEvictor(MemoryBudget& budget) : budget_(budget) {
     budget_.set_reclaimer([this](std::uint64_t bytes) { return make_room(bytes); });
 }

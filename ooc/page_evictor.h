@@ -23,6 +23,9 @@ class PageEvictor {
         virtual std::uint64_t evict(std::uint64_t wanted) = 0;
     };
 
+    /// At least this part of the limit is freed at once.
+    static constexpr std::uint64_t kLeastShare = 32;
+
     explicit PageEvictor(MemoryBudget& budget);
     ~PageEvictor();
     PageEvictor(const PageEvictor&) = delete;

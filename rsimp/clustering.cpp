@@ -37,12 +37,8 @@ using cluster::VertexStore;
 
 namespace {
 
-// Vertices stay in memory if they take no more than this part of it; else a window over them takes
-// so much less. A part is left to the pages of spools, and to batches of input in flight.
-constexpr std::uint64_t kResidentShare = 3;
+// Of the limit, for the window over vertices that do not fit.
 constexpr std::uint64_t kWindowShare = 8;
-constexpr std::uint64_t kSpareShare = 16;
-constexpr std::uint64_t kSpareBytes = 6 << 20;
 constexpr std::uint64_t kLeastTableCells = 20'000;
 // The table may be spilled so many times, and so many times as often as all cells take, before the
 // triangles count as being in no order.

@@ -8,6 +8,7 @@
 #include "cluster/cell_runs.h"
 #include "cluster/cell_sums.h"
 #include "ooc/memory_budget.h"
+#include "ooc/page_evictor.h"
 #include "rsimp/mesh_store.h"
 
 namespace hewer::rsimp {
@@ -22,6 +23,10 @@ using cluster::CellSums;
 // Triangles between cells, and between clusters, of a closed surface; a little more where it is
 // rough.
 constexpr double kFacesPerCell = 2.1;
+
+constexpr std::uint64_t kBuffers = 8 << 20;
+constexpr std::uint64_t kIndexBytes = 34;  // of the table of cells, for each
+constexpr std::uint64_t kOrderBytes = 16;  // of a cell's place among the others
 
 std::uint64_t faces_of(std::uint64_t n) {
     return static_cast<std::uint64_t>(kFacesPerCell * static_cast<double>(n));
@@ -91,19 +96,32 @@ std::uint64_t temp_bytes(const MemoryCounts& n, std::uint64_t limit) {
         return bytes - std::min(bytes, limit - std::min(limit, taken));
     };
     // A table that cannot hold all cells goes out in runs, which stay until the cells are merged.
-    const auto bytes_per_cell =
-        static_cast<std::uint64_t>(cluster::CellRuns::bytes_per_cell(n.has_attributes));
-    std::uint64_t merge = blocks_bytes(n);
-    if (n.cells * bytes_per_cell + least_memory_bytes(n) > limit) {
-        merge =
-            n.cells * (sizeof(cluster::RunCell) + sizeof(CellRecord) + sizeof(std::uint64_t) +
-                       (n.has_attributes ? sizeof(AttributeSums) + sizeof(CellAttributes) : 0)) +
+    const std::uint64_t sums = sizeof(CellSums) + (n.has_attributes ? sizeof(AttributeSums) : 0);
+    const std::uint64_t resident_vertices =
+        16 * n.vertices <= limit / kResidentShare ? 16 * n.vertices : 0;
+    const double in_table = cluster::CellRuns::bytes_per_cell(n.has_attributes);
+    const std::uint64_t around = resident_vertices + limit / kSpareShare + kSpareBytes;
+    const std::uint64_t table =
+        limit - std::min(limit, ooc::MemoryBudget::kFixedBytes + slack_bytes(limit) + around);
+    std::uint64_t merge = 0;
+    std::uint64_t at_once = kBuffers;
+    if (static_cast<double>(n.cells) * in_table > static_cast<double>(table)) {
+        const std::uint64_t runs =
+            n.cells * (sizeof(cluster::RunCell) + (n.has_attributes ? sizeof(AttributeSums) : 0)) +
             faces_of(n.cells) * sizeof(cluster::CodeTriple);
+        const std::uint64_t records = n.cells * (sizeof(CellRecord) + sizeof(std::uint64_t) +
+                                                 (n.has_attributes ? sizeof(CellAttributes) : 0));
+        // The table keeps its memory while the last run goes out.
+        const auto kept = static_cast<std::uint64_t>(static_cast<double>(table) / in_table) *
+                          (sums + kIndexBytes);
+        merge = std::max(runs + records, runs + kept);
+    } else {
+        merge = n.cells * (sums + kOrderBytes) + blocks_bytes(n);
+        at_once += limit / ooc::PageEvictor::kLeastShare;
     }
-    constexpr std::uint64_t kBuffers = 8 << 20;
     const std::uint64_t blocks = least_memory_bytes(n) / 2;
-    return std::max({beyond(merge, kBuffers), beyond(refine_bytes(n), blocks),
-                     beyond(finish_bytes(n), blocks)});
+    return std::max(
+        {beyond(merge, at_once), beyond(refine_bytes(n), blocks), beyond(finish_bytes(n), blocks)});
 }
 
 }  // namespace hewer::rsimp

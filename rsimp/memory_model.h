@@ -17,6 +17,13 @@ struct MemoryCounts {
     bool has_attributes = false;
 };
 
+/// Vertices stay in memory while the triangles are read if they take no more than this part of it;
+/// else a window over them takes so much less.
+inline constexpr std::uint64_t kResidentShare = 3;
+/// While the triangles are read: left to the pages of spools, and to batches of input in flight.
+inline constexpr std::uint64_t kSpareShare = 16;
+inline constexpr std::uint64_t kSpareBytes = 6 << 20;
+
 /// Of a limit, for what the allocator and the system take on top of what is reserved: page tables,
 /// ends of mappings, small pieces on the heap.
 constexpr std::uint64_t slack_bytes(std::uint64_t limit) {
