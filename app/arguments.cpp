@@ -77,6 +77,9 @@ Value parse_any(const OptionSpec& option, const std::string& text) {
                 throw InvalidArgument("'" + text + "' is none of " + list_choices(option.choices));
             }
             return text;
+        case ValueType::CountOrOff:
+            if (text == "off") return std::uint64_t{0};
+            [[fallthrough]];
         case ValueType::Count: {
             const std::uint64_t count = parse_count(text);
             check_range(option, text, static_cast<double>(count));

@@ -77,8 +77,8 @@ std::string plain_number(double value) {
 
 // "1 to 1024"; empty where the type alone limits the value.
 std::string describe_range(const OptionSpec& o) {
-    const bool is_number =
-        o.type == ValueType::Count || o.type == ValueType::Number || o.type == ValueType::Pixels;
+    const bool is_number = o.type == ValueType::Count || o.type == ValueType::CountOrOff ||
+                           o.type == ValueType::Number || o.type == ValueType::Pixels;
     constexpr double kWorthTelling = 1e9;  // larger bounds are not met in practice
     if (!is_number) return {};
     if (o.most < kWorthTelling) return plain_number(o.least) + " to " + plain_number(o.most);

@@ -90,6 +90,8 @@ OptionSpec{"bounds", "--bounds", "BOX", T::Box, kTargets, "model units", "=read 
     "Box that holds the input, x0,y0,z0,x1,y1,z1; spares one scan of the vertices."},
 OptionSpec{"border_weight", "--border-weight", "W", T::Number, kTargets, "", "3", 0, 1e6, "", kMethod, false,
     "Weight of open borders against the surface; 0 lets borders wander."},
+OptionSpec{"fit", "--fit", "N", T::CountOrOff, kTargets, "rounds, or off", "=4; off with --method uniform or --error", 1, 100, "", kMethod, false,
+    "Move the vertices of the result, as a whole, towards the original surface."},
 OptionSpec{"strict", "--strict", "", T::Flag, kTargets, "", "", 0, 0, "", kMethod, false,
     "Refuse an input with defects instead of counting them."},
 

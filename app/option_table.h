@@ -17,6 +17,7 @@ enum class ValueType {
     Path,    ///< a file or folder name
     Choice,  ///< one of OptionSpec::choices
     Count,
+    CountOrOff,  ///< "off" is 0
     Bytes,
     Ratio,
     Error,

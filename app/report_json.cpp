@@ -96,6 +96,13 @@ Json to_value(const TopologyReport& r) {
             {"euler_characteristic", r.euler_characteristic}};
 }
 
+Json to_value(const FitReport& r) {
+    return {{"rounds", r.rounds},
+            {"first_move", r.first_move},
+            {"last_move", r.last_move},
+            {"held", r.held}};
+}
+
 Json to_value(const LodReport& r) {
     return {{"path", r.path},
             {"target", to_value(r.target)},
@@ -105,6 +112,7 @@ Json to_value(const LodReport& r) {
             {"bounds", to_value(r.bounds)},
             {"error_bound", r.error_bound},
             {"lost_cells", r.lost_cells},
+            {"fit", to_value(r.fit)},
             {"topology", to_value(r.topology)},
             {"is_nested", r.is_nested},
             {"bytes", r.bytes}};

@@ -60,6 +60,7 @@ class Finisher {
     MeshStore run(const std::optional<CollapseTarget>& target, bool with_merges,
                   FinishReport& report);
 
+    [[nodiscard]] const std::vector<cluster::OctreeBox>& boxes() const { return boxes_; }
     [[nodiscard]] const std::vector<std::uint64_t>& first_cluster() const { return first_cluster_; }
 
   private:

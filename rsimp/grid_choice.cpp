@@ -88,6 +88,12 @@ double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
     return sample.resolution_for(finer * wanted_cells(options, n_input_faces));
 }
 
+unsigned fit_rounds(const SimplifyOptions& options) {
+    const bool has_error = !options.targets.empty() && is_error(options.targets.front().kind);
+    return options.fit_rounds.value_or(
+        options.method == Method::Uniform || has_error ? 0 : kFitRounds);
+}
+
 void check_options(const SimplifyOptions& options) {
     const bool is_free_uniform = options.method == Method::Uniform && options.cell_size;
     if (options.targets.empty() && !is_free_uniform) {
@@ -109,6 +115,10 @@ void check_options(const SimplifyOptions& options) {
     }
     if (options.bounds && options.bounds->is_empty()) {
         throw InvalidArgument("the bounds are empty: each minimum must be at most its maximum");
+    }
+    if (options.fit_rounds.value_or(0) > 0 && !options.targets.empty() &&
+        is_error(options.targets.front().kind)) {
+        throw InvalidArgument("a fit could break the error bound; leave it out");
     }
     for (std::size_t i = 0; i < options.targets.size(); ++i) {
         const Target& t = options.targets[i];

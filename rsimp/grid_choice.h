@@ -18,7 +18,9 @@ inline constexpr double kFewestCells = 50'000;
 /// The same for the uniform method, which fuses them.
 inline constexpr double kUniformCellsPerVertex = 3;
 /// Clusters per vertex of the finest LOD at which refinement hands over to the edge collapse.
-inline constexpr double kClustersPerVertex = 1.75;
+inline constexpr double kClustersPerVertex = 3;
+/// Rounds of the fit, unless told otherwise; docs/quality.md.
+inline constexpr unsigned kFitRounds = 4;
 /// With an error bound E the cells are at most E / kCellsPerError long.
 inline constexpr double kCellsPerError = 8;
 
@@ -38,6 +40,10 @@ double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
 /// Cells that the target calls for, as far as the header tells; 0 where only the surface can tell.
 double cells_expected(const SimplifyOptions& options, std::uint64_t n_input_faces,
                       std::uint64_t n_input_vertices);
+
+/// Rounds of the fit. None for the uniform method, whose point is speed, nor under an error bound,
+/// which only the clusters' own places are known to keep; unless they are asked for.
+unsigned fit_rounds(const SimplifyOptions& options);
 
 /// Refuses what contradicts itself or leaves its range: InvalidArgument.
 void check_options(const SimplifyOptions& options);

@@ -45,6 +45,15 @@ LodChain::Result LodChain::next(const std::optional<CollapseTarget>& target) {
     return result;
 }
 
+FitReport LodChain::fit(unsigned rounds, double cell_size) {
+    FitReport report;
+    mesh_.vertices = rsimp::fit(context_, mesh_, start_.samples, start_.finisher->boxes(),
+                                start_.finisher->first_cluster(), rounds, report);
+    report.first_move *= cell_size;
+    report.last_move *= cell_size;
+    return report;
+}
+
 void LodChain::change_topology(const CollapseTarget& target, Result& result) {
     WholeMesh whole(context_, mesh_);
     report_.lost_cells += whole.drop_components(target);

@@ -8,6 +8,7 @@
 
 #include "ooc/context.h"
 #include "rsimp/finish.h"
+#include "rsimp/fit.h"
 #include "rsimp/start_mesh.h"
 
 namespace hewer::rsimp {
@@ -23,6 +24,10 @@ class LodChain {
     /// Makes the next mesh. Without a target everything is kept. A target that collapsing cannot
     /// reach is reached by dropping components, and then regardless of handles.
     Result next(const std::optional<CollapseTarget>& target);
+
+    /// Moves the mesh towards the original. The next mesh begins from there. `cell_size` is the
+    /// unit of the lengths in the report.
+    FitReport fit(unsigned rounds, double cell_size);
 
     [[nodiscard]] const MeshStore& mesh() const { return mesh_; }
     /// Grid cells so far for which no vertex stands any more.

@@ -29,8 +29,8 @@ using namespace rsimp;
 
 // Expected shares of the time, for progress.
 std::vector<ooc::StageWeight> stage_weights() {
-    return {{"bounds", 1}, {"vertices", 2}, {"sample", 2},  {"cluster", 8},
-            {"refine", 8}, {"mesh", 2},     {"finish", 12}, {"write", 2}};
+    return {{"bounds", 1}, {"vertices", 2}, {"sample", 2}, {"cluster", 8}, {"refine", 8},
+            {"mesh", 2},   {"finish", 12},  {"fit", 12},   {"write", 2}};
 }
 
 CollapseTarget collapse_target(const Target& target, const SimplifyReport& report) {
@@ -117,6 +117,10 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
             throw InvalidArgument(
                 source.info().name +
                 ": nothing is left of the surface at this cell size; use a finer one");
+        }
+        if (const unsigned rounds = fit_rounds(options); rounds > 0) {
+            stages.begin("fit", rounds * chain.mesh().vertices.size(), "vertices");
+            lod.fit = chain.fit(rounds, report.grid.cell_size);
         }
         stages.begin("write", 0, "bytes");
         const std::unique_ptr<MeshSink> sink = sinks(i);

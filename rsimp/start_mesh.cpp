@@ -150,7 +150,10 @@ StartMesh make_start_mesh(ooc::Context& context, MeshSource& source, const Simpl
                                      : refine_to_budget(context, cells, options, stages, report);
         const double enough =
             (is_uniform ? kUniformLeast : kEnoughTriangles) * budget(options, report);
-        if (is_finest || attempt.n_triangles >= enough) return std::move(attempt.start);
+        if (is_finest || attempt.n_triangles >= enough) {
+            if (fit_rounds(options) > 0) attempt.start.samples = collect_samples(context, cells);
+            return std::move(attempt.start);
+        }
     }
 }
 

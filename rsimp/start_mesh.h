@@ -13,6 +13,7 @@
 #include "hewer/report.h"
 #include "ooc/context.h"
 #include "rsimp/finish.h"
+#include "rsimp/fit_samples.h"
 #include "rsimp/stage_log.h"
 
 namespace hewer::rsimp {
@@ -24,6 +25,7 @@ struct StartMesh {
     std::uint64_t n_clusters = 0;
     std::unique_ptr<Finisher> finisher;  ///< has begun
     FinishReport finish;                 ///< so far
+    ooc::Spool<FitSample> samples;       ///< if there is a fit
 
     [[nodiscard]] Vec3 to_model(const Vec3& in_cells) const {
         return lattice.origin() + (grid.cell_size(lattice) * in_cells);

@@ -54,6 +54,10 @@ struct SimplifyOptions {
     /// Weight of the border quadrics against the surface quadrics. 0: borders may wander.
     double border_weight = 3.0;
 
+    /// Rounds in which the vertices of each LOD are moved, as a whole, towards the original surface;
+    /// 0: none. Unset: what the method calls for (none for Uniform, none under an error bound).
+    std::optional<unsigned> fit_rounds;
+
     /// Defects in the input end the run instead of being counted.
     bool strict = false;
 

@@ -60,6 +60,14 @@ struct TopologyReport {
     std::int64_t euler_characteristic = 0;
 };
 
+/// How far the vertices of an LOD were moved towards the original surface, after the collapse.
+struct FitReport {
+    unsigned rounds = 0;
+    double first_move = 0;   ///< root mean square over the vertices in the first round, model units
+    double last_move = 0;    ///< the same in the last one
+    std::uint64_t held = 0;  ///< vertices that were not let in the last round, borders included
+};
+
 struct LodReport {
     std::string path;
     Target target;
@@ -73,6 +81,7 @@ struct LodReport {
     /// where nothing was lost, from the original to the LOD.
     double error_bound = 0;
     std::uint64_t lost_cells = 0;  ///< grid cells whose whole surface collapsed away (tiny parts)
+    FitReport fit;
     TopologyReport topology;
     bool is_nested = true;  ///< every vertex of the next finer LOD has one parent here
     std::uint64_t bytes = 0;

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+#include "rsimp/fit.h"
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "ooc/parallel.h"
+#include "rsimp/fit_moves.h"
+#include "rsimp/fit_regions.h"
+
+namespace hewer::rsimp {
+
+namespace {
+
+// Samples farther from the mesh than this do not pull; in mean distances between vertices.
+constexpr double kMostDistance = 0.5;
+// How far around a region samples are looked at: a triangle's length.
+constexpr double kSampleReach = 2;
+constexpr std::uint64_t kPiece = 1 << 12;
+
+class Fit {
+  public:
+    Fit(ooc::Context& context, const MeshStore& mesh, const ooc::Spool<FitSample>& samples,
+        std::span<const cluster::OctreeBox> boxes, std::span<const std::uint64_t> first_cluster)
+        : context_(context),
+          regions_(context, mesh, samples, boxes, first_cluster),
+          positions_(context, kWhat) {
+        std::vector<StoredVertex> vertices;
+        std::vector<Vec3> piece;
+        for (std::uint64_t first = 0; first < mesh.vertices.size(); first += kPiece) {
+            vertices.resize(std::min(kPiece, mesh.vertices.size() - first));
+            mesh.vertices.read(first, vertices);
+            piece.clear();
+            for (const StoredVertex& v : vertices) piece.push_back(v.vertex.position);
+            positions_.append(piece);
+        }
+    }
+
+    void round() {
+        const ooc::Spool<Vec3> moves = propose();
+        apply(moves);
+    }
+
+    [[nodiscard]] const ooc::Spool<Vec3>& positions() const { return positions_; }
+    [[nodiscard]] double last_move() const { return last_move_; }
+    [[nodiscard]] std::uint64_t held() const { return held_; }
+
+  private:
+    static constexpr const char* kWhat = "positions of vertices";
+
+    [[nodiscard]] ooc::Reservation reserve_regions() const {
+        return context_.budget().reserve("regions of the fit",
+                                         context_.n_threads() * FitRegions::kRegionBytes);
+    }
+
+    ooc::Spool<Vec3> propose() {
+        const ooc::Reservation memory = reserve_regions();
+        const double reach = kSampleReach * regions_.spacing();
+        const double most = kMostDistance * regions_.spacing();
+        ooc::Spool<Vec3> moves(context_, "moves of vertices");
+        context_.workers().in_order(
+            regions_.size(), context_.n_threads() + 1,
+            [&](std::uint64_t r) {
+                std::vector<std::uint64_t> vertices;
+                const FitPiece piece = regions_.load(r, reach + 2 * most, positions_, vertices);
+                FitMoves sums(piece, most);
+                regions_.for_samples(
+                    r, reach, piece.centre,
+                    [&](std::span<const WeightedPoint> points) { sums.pull(points); });
+                context_.check_stop();
+                return sums.moves();
+            },
+            [&](std::uint64_t, const std::vector<Vec3>& own) { moves.append(own); });
+        return moves;
+    }
+
+    void apply(const ooc::Spool<Vec3>& moves) {
+        const ooc::Reservation memory = reserve_regions();
+        struct Result {
+            std::vector<Vec3> positions;
+            std::uint64_t held = 0;
+            double squares = 0;
+        };
+        ooc::Spool<Vec3> moved(context_, kWhat);
+        held_ = 0;
+        double squares = 0;
+        context_.workers().in_order(
+            regions_.size(), context_.n_threads() + 1,
+            [&](std::uint64_t r) {
+                std::vector<std::uint64_t> vertices;
+                const FitPiece piece = regions_.load(r, 0, positions_, vertices);
+                const std::vector<Vec3> all = read_places(moves, vertices);
+                const std::vector<bool> is_held = held_vertices(piece, all);
+                Result result;
+                result.positions.resize(piece.n_own);
+                positions_.read(regions_.first_vertex(r), result.positions);
+                for (std::uint32_t v = 0; v < piece.n_own; ++v) {
+                    if (is_held[v]) {
+                        ++result.held;
+                        continue;
+                    }
+                    result.positions[v] = result.positions[v] + all[v];
+                    result.squares += dot(all[v], all[v]);
+                }
+                context_.check_stop();
+                return result;
+            },
+            [&](std::uint64_t, const Result& result) {
+                moved.append(result.positions);
+                held_ += result.held;
+                squares += result.squares;
+            });
+        positions_ = std::move(moved);
+        last_move_ = std::sqrt(squares / static_cast<double>(positions_.size()));
+    }
+
+    ooc::Context& context_;
+    FitRegions regions_;
+    ooc::Spool<Vec3> positions_;
+    double last_move_ = 0;
+    std::uint64_t held_ = 0;
+};
+
+}  // namespace
+
+ooc::Spool<StoredVertex> fit(ooc::Context& context, const MeshStore& mesh,
+                             const ooc::Spool<FitSample>& samples,
+                             std::span<const cluster::OctreeBox> boxes,
+                             std::span<const std::uint64_t> first_cluster, unsigned rounds,
+                             FitReport& report) {
+    Fit fit(context, mesh, samples, boxes, first_cluster);
+    report.rounds = rounds;
+    for (unsigned i = 0; i < rounds; ++i) {
+        fit.round();
+        if (i == 0) report.first_move = fit.last_move();
+    }
+    report.last_move = fit.last_move();
+    report.held = fit.held();
+    ooc::Spool<StoredVertex> result(context, "vertices");
+    std::vector<StoredVertex> vertices;
+    std::vector<Vec3> positions;
+    for (std::uint64_t first = 0; first < mesh.vertices.size(); first += kPiece) {
+        vertices.resize(std::min(kPiece, mesh.vertices.size() - first));
+        positions.resize(vertices.size());
+        mesh.vertices.read(first, vertices);
+        fit.positions().read(first, positions);
+        for (std::size_t i = 0; i < vertices.size(); ++i) {
+            vertices[i].vertex.position = positions[i];
+        }
+        result.append(vertices);
+        context.check_stop();
+    }
+    return result;
+}
+
+}  // namespace hewer::rsimp

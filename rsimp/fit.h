@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+/// Moves the vertices of a finished mesh, as a whole, towards the original surface.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "hewer/report.h"
+#include "ooc/context.h"
+#include "rsimp/fit_samples.h"
+#include "rsimp/mesh_store.h"
+
+namespace hewer::rsimp {
+
+/// A quadric's optimum lies near the planes around one vertex; a finished mesh can still be moved
+/// as a whole (the half of Hoppe's mesh optimisation, 1993, that keeps the connectivity). `rounds`
+/// times every vertex makes the step of fit_moves(), all at once. Faces never fold, vertices of
+/// borders stay, parts of the original that the mesh has lost do not pull. The result does not
+/// depend on threads or memory.
+///
+/// `boxes`, and the first cluster of each and the end, are those that the mesh was made in. The
+/// lengths in `report` are in cells. Per round: two passes over the faces, one over the
+/// samples, each read in regions with what lies around them. Memory: FitRegions, a region for each
+/// thread; positions and moves, 48 bytes a vertex, on spools.
+ooc::Spool<StoredVertex> fit(ooc::Context& context, const MeshStore& mesh,
+                             const ooc::Spool<FitSample>& samples,
+                             std::span<const cluster::OctreeBox> boxes,
+                             std::span<const std::uint64_t> first_cluster, unsigned rounds,
+                             FitReport& report);
+
+}  // namespace hewer::rsimp

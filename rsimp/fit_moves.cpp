@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: MIT
+#include "rsimp/fit_moves.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "rsimp/half_edges.h"
+
+namespace hewer::rsimp {
+
+namespace {
+
+// Of the trace of a vertex' matrix: what directions without any residual get, so that the vertex
+// does not slide along the surface.
+constexpr double kDamping = .005;
+// A majorised step is too short where neighbours agree; this much longer it still descends.
+constexpr double kOverRelaxation = 1.5;
+// Cosine of how far a face may turn in a round.
+constexpr double kMostTurn = 0.5;
+constexpr double kTiny = 1e-12;
+
+struct Foot {
+    std::array<double, 3> weights;
+    bool is_inside;
+};
+
+/// The nearest point of a triangle, by its barycentric weights.
+Foot foot_of(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+    const Vec3 ab = b - a;
+    const Vec3 ac = c - a;
+    const Vec3 ap = p - a;
+    const double ab_ab = dot(ab, ab);
+    const double ab_ac = dot(ab, ac);
+    const double ac_ac = dot(ac, ac);
+    const double along_b = dot(ap, ab);
+    const double along_c = dot(ap, ac);
+    const double det = ab_ab * ac_ac - ab_ac * ab_ac;
+    if (det > 1e-10 * ab_ab * ac_ac) {
+        const double v = (ac_ac * along_b - ab_ac * along_c) / det;
+        const double w = (ab_ab * along_c - ab_ac * along_b) / det;
+        if (v >= 0 && w >= 0 && v + w <= 1) return {{1 - v - w, v, w}, true};
+    }
+    Foot best{};
+    double least = -1;
+    const auto try_edge = [&](std::size_t from, std::size_t to, const Vec3& start,
+                              const Vec3& end) {
+        const Vec3 edge = end - start;
+        const double length = dot(edge, edge);
+        const double t = length > 0 ? std::clamp(dot(p - start, edge) / length, 0.0, 1.0) : 0;
+        const Vec3 d = p - (start + t * edge);
+        const double squared = dot(d, d);
+        if (least >= 0 && squared >= least) return;
+        least = squared;
+        best = {};
+        best.weights[from] = 1 - t;
+        best.weights[to] += t;
+    };
+    try_edge(0, 1, a, b);
+    try_edge(1, 2, b, c);
+    try_edge(2, 0, c, a);
+    return best;
+}
+
+Vec3 unit(const Vec3& v) {
+    const double length = std::sqrt(dot(v, v));
+    return length > kTiny ? (1 / length) * v : Vec3{};
+}
+
+/// x of (m + damping) x = r, by Cramer's rule: the damping keeps m away from singular.
+Vec3 solve(Symmetric3 m, const Vec3& r) {
+    const double damping = kDamping * (m[0] + m[3] + m[5]);
+    if (!(damping > kTiny)) return {};
+    m[0] += damping;
+    m[3] += damping;
+    m[5] += damping;
+    const Vec3 row0{m[0], m[1], m[2]};
+    const Vec3 row1{m[1], m[3], m[4]};
+    const Vec3 row2{m[2], m[4], m[5]};
+    const Vec3 c12 = cross(row1, row2);
+    const double det = dot(row0, c12);
+    return (1 / det) * (r[0] * c12 + r[1] * cross(row2, row0) + r[2] * cross(row0, row1));
+}
+
+std::vector<Point3f> to_single(std::span<const Vec3> points) {
+    std::vector<Point3f> result(points.size());
+    for (std::size_t v = 0; v < points.size(); ++v) {
+        for (std::size_t k = 0; k < 3; ++k) result[v][k] = static_cast<float>(points[v][k]);
+    }
+    return result;
+}
+
+/// No face turns far, whichever of its corners move.
+bool is_safe(const FitPiece& piece, const LocalFace& face, std::span<const Vec3> moves) {
+    const auto normal = [&](unsigned moved) {
+        std::array<Vec3, 3> p;
+        for (std::size_t k = 0; k < 3; ++k) {
+            p[k] = piece.positions[face[k]];
+            if ((moved >> k & 1U) != 0) p[k] = p[k] + moves[face[k]];
+        }
+        return unit(cross(p[1] - p[0], p[2] - p[0]));
+    };
+    const Vec3 before = normal(0);
+    for (unsigned moved = 1; moved < 8; ++moved) {
+        if (dot(before, normal(moved)) < kMostTurn) return false;
+    }
+    return true;
+}
+
+/// Own vertices with an edge that has not got two faces.
+std::vector<bool> border_vertices(const FitPiece& piece) {
+    std::vector<LocalFace> own;
+    for (const LocalFace& face : piece.faces) {
+        if (face[0] < piece.n_own || face[1] < piece.n_own || face[2] < piece.n_own) {
+            own.push_back(face);
+        }
+    }
+    std::vector<bool> is_border(piece.n_own);
+    for_each_edge(own, piece.positions.size(),
+                  [&](std::uint32_t low, std::span<const HalfEdge> group) {
+                      if (group.size() == 2) return;
+                      if (low < piece.n_own) is_border[low] = true;
+                      if (group[0].other < piece.n_own) is_border[group[0].other] = true;
+                  });
+    return is_border;
+}
+
+}  // namespace
+
+FitMoves::FitMoves(const FitPiece& piece, double most_distance)
+    : piece_(piece),
+      most_(static_cast<float>(most_distance * most_distance)),
+      tree_(to_single(piece.positions), piece.faces),
+      pulls_(piece.n_own) {}
+
+void FitMoves::pull(std::span<const WeightedPoint> points) {
+    if (piece_.faces.empty()) return;
+    const std::uint32_t n_own = piece_.n_own;
+    for (const WeightedPoint& point : points) {
+        const FaceTree::Hit hit = tree_.nearest(point.position, most_, guess_);
+        if (hit.face == FaceTree::kNone) continue;
+        guess_ = hit.slot;
+        const LocalFace& face = piece_.faces[hit.face];
+        if (face[0] >= n_own && face[1] >= n_own && face[2] >= n_own) continue;
+        const Vec3 p{point.position[0], point.position[1], point.position[2]};
+        const Vec3& a = piece_.positions[face[0]];
+        const Vec3& b = piece_.positions[face[1]];
+        const Vec3& c = piece_.positions[face[2]];
+        const Foot foot = foot_of(p, a, b, c);
+        const Vec3 residual = p - (foot.weights[0] * a + foot.weights[1] * b + foot.weights[2] * c);
+        const double length = std::sqrt(dot(residual, residual));
+        Vec3 n = unit(cross(b - a, c - a));
+        if (!foot.is_inside && length > kTiny) n = (1 / length) * residual;
+        const double d = dot(residual, n);
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (face[k] >= n_own) continue;
+            const double w = foot.weights[k] * static_cast<double>(point.weight);
+            Pull& pull = pulls_[face[k]];
+            pull.matrix[0] += w * n[0] * n[0];
+            pull.matrix[1] += w * n[0] * n[1];
+            pull.matrix[2] += w * n[0] * n[2];
+            pull.matrix[3] += w * n[1] * n[1];
+            pull.matrix[4] += w * n[1] * n[2];
+            pull.matrix[5] += w * n[2] * n[2];
+            pull.residual = pull.residual + (w * d) * n;
+            pull.longest = std::max(pull.longest, std::abs(d));
+        }
+    }
+}
+
+std::vector<Vec3> FitMoves::moves() const {
+    std::vector<Vec3> moves;
+    moves.reserve(pulls_.size());
+    for (const Pull& pull : pulls_) {
+        const Vec3 move = kOverRelaxation * solve(pull.matrix, pull.residual);
+        const double length = std::sqrt(dot(move, move));
+        moves.push_back(length > pull.longest ? (pull.longest / length) * move : move);
+    }
+    return moves;
+}
+
+std::vector<bool> held_vertices(const FitPiece& piece, std::span<const Vec3> moves) {
+    std::vector<bool> is_held = border_vertices(piece);
+    for (const LocalFace& face : piece.faces) {
+        if (face[0] >= piece.n_own && face[1] >= piece.n_own && face[2] >= piece.n_own) continue;
+        if (is_safe(piece, face, moves)) continue;
+        for (const std::uint32_t v : face) {
+            if (v < piece.n_own) is_held[v] = true;
+        }
+    }
+    return is_held;
+}
+
+}  // namespace hewer::rsimp

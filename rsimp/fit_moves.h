@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+/// How the vertices of a piece of mesh move in one round of the fit.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "ooc/vec3.h"
+#include "rsimp/face_tree.h"
+
+namespace hewer::rsimp {
+
+/// A point of the original surface, and how much of it the point stands for.
+struct WeightedPoint {
+    Point3f position;
+    float weight;
+};
+
+/// A piece of mesh. The first `n_own` vertices are its own; all of their faces are here, and all
+/// others that may be nearest to a point that is nearest to one of these.
+struct FitPiece {
+    Vec3 centre{};                ///< of the piece, in the frame of the mesh
+    std::vector<Vec3> positions;  ///< relative to the centre
+    std::vector<LocalFace> faces;
+    std::uint32_t n_own = 0;
+};
+
+/// Where the own vertices should go for the mesh as a whole to come nearer to the points: one
+/// majorised Jacobi step of Hoppe's mesh optimisation (1993) with fixed connectivity. Each point
+/// pulls the corners of its nearest face along the residual, shared by barycentric weights b; a
+/// vertex solves (sum b n n^T + little) x = sum b d n. Weights b instead of b^2 make the step a
+/// majorisation: all vertices move at once and the sum of squares still falls; it is lengthened by
+/// half, and no vertex goes farther than its longest residual.
+class FitMoves {
+  public:
+    /// Points farther than `most_distance` belong to something that has vanished and do not pull.
+    FitMoves(const FitPiece& piece, double most_distance);
+
+    /// In an order where neighbours follow one another; the sums depend on it in their last bits.
+    void pull(std::span<const WeightedPoint> points);
+
+    [[nodiscard]] std::vector<Vec3> moves() const;
+
+  private:
+    struct Pull {
+        Symmetric3 matrix{};
+        Vec3 residual{};
+        double longest = 0;  // residual
+    };
+    const FitPiece& piece_;
+    float most_;  // squared
+    FaceTree tree_;
+    std::uint32_t guess_ = 0;
+    std::vector<Pull> pulls_;  // by own vertex
+};
+
+/// Which of the own vertices must stay: those at a border, and those with a face that would turn by
+/// more than 60 degrees if any subset of its corners moved. So what becomes of the other corners
+/// does not matter, and no face ever folds. `moves` are of all vertices of the piece.
+std::vector<bool> held_vertices(const FitPiece& piece, std::span<const Vec3> moves);
+
+}  // namespace hewer::rsimp
