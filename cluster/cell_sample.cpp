@@ -66,7 +66,7 @@ double CellSample::count_positions() const {
 
 double CellSample::separating_resolution() const {
     // Coincident and nearly coincident vertices never separate; the rest must.
-    const double enough = 0.995 * count_positions();
+    const double enough = 0.995 * count_cells(UniformGrid(UniformGrid::kMaxResolution));
     double resolution = 256;
     while (resolution < UniformGrid::kMaxResolution &&
            count_cells(UniformGrid(resolution)) < enough) {

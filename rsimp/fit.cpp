@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ooc/parallel.h"
+#include "rsimp/face_window.h"
 #include "rsimp/fit_moves.h"
 #include "rsimp/fit_regions.h"
 
@@ -24,6 +25,7 @@ class Fit {
     Fit(ooc::Context& context, const MeshStore& mesh, const ooc::Spool<FitSample>& samples,
         std::span<const cluster::OctreeBox> boxes, std::span<const std::uint64_t> first_cluster)
         : context_(context),
+          mesh_(mesh),
           regions_(context, mesh, samples, boxes, first_cluster),
           positions_(context, kWhat) {
         std::vector<StoredVertex> vertices;
@@ -91,7 +93,8 @@ class Fit {
                 std::vector<std::uint64_t> vertices;
                 const FitPiece piece = regions_.load(r, 0, positions_, vertices);
                 const std::vector<Vec3> all = read_places(moves, vertices);
-                const std::vector<bool> is_held = held_vertices(piece, all);
+                const std::vector<bool> is_held =
+                    held_vertices(piece, read_positions(mesh_, vertices), all);
                 Result result;
                 result.positions.resize(piece.n_own);
                 positions_.read(regions_.first_vertex(r), result.positions);
@@ -116,6 +119,7 @@ class Fit {
     }
 
     ooc::Context& context_;
+    const MeshStore& mesh_;
     FitRegions regions_;
     ooc::Spool<Vec3> positions_;
     double last_move_ = 0;

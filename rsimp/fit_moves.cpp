@@ -16,8 +16,9 @@ namespace {
 constexpr double kDamping = .005;
 // A majorised step is too short where neighbours agree; this much longer it still descends.
 constexpr double kOverRelaxation = 1.5;
-// Cosine of how far a face may turn in a round.
+// Cosines of how far a face may turn in a round, and in all of them.
 constexpr double kMostTurn = 0.5;
+constexpr double kMostTurnOfAll = 0.17;
 constexpr double kTiny = 1e-12;
 
 struct Foot {
@@ -90,19 +91,24 @@ std::vector<Point3f> to_single(std::span<const Vec3> points) {
     return result;
 }
 
-/// No face turns far, whichever of its corners move.
-bool is_safe(const FitPiece& piece, const LocalFace& face, std::span<const Vec3> moves) {
-    const auto normal = [&](unsigned moved) {
-        std::array<Vec3, 3> p;
+Vec3 normal_of(const std::array<Vec3, 3>& p) {
+    return unit(cross(p[1] - p[0], p[2] - p[0]));
+}
+
+/// The face does not turn far, whichever of its corners move.
+bool is_safe(const FitPiece& piece, const LocalFace& face, std::span<const Vec3> at_first,
+             std::span<const Vec3> moves) {
+    std::array<Vec3, 3> now;
+    for (std::size_t k = 0; k < 3; ++k) now[k] = piece.positions[face[k]];
+    const Vec3 before = normal_of(now);
+    const Vec3 first = normal_of({at_first[face[0]], at_first[face[1]], at_first[face[2]]});
+    for (unsigned moved = 1; moved < 8; ++moved) {
+        std::array<Vec3, 3> p = now;
         for (std::size_t k = 0; k < 3; ++k) {
-            p[k] = piece.positions[face[k]];
             if ((moved >> k & 1U) != 0) p[k] = p[k] + moves[face[k]];
         }
-        return unit(cross(p[1] - p[0], p[2] - p[0]));
-    };
-    const Vec3 before = normal(0);
-    for (unsigned moved = 1; moved < 8; ++moved) {
-        if (dot(before, normal(moved)) < kMostTurn) return false;
+        const Vec3 normal = normal_of(p);
+        if (dot(before, normal) < kMostTurn || dot(first, normal) < kMostTurnOfAll) return false;
     }
     return true;
 }
@@ -179,11 +185,12 @@ std::vector<Vec3> FitMoves::moves() const {
     return moves;
 }
 
-std::vector<bool> held_vertices(const FitPiece& piece, std::span<const Vec3> moves) {
+std::vector<bool> held_vertices(const FitPiece& piece, std::span<const Vec3> at_first,
+                                std::span<const Vec3> moves) {
     std::vector<bool> is_held = border_vertices(piece);
     for (const LocalFace& face : piece.faces) {
         if (face[0] >= piece.n_own && face[1] >= piece.n_own && face[2] >= piece.n_own) continue;
-        if (is_safe(piece, face, moves)) continue;
+        if (is_safe(piece, face, at_first, moves)) continue;
         for (const std::uint32_t v : face) {
             if (v < piece.n_own) is_held[v] = true;
         }

@@ -121,7 +121,7 @@ void FitRegions::find_boxes_of_faces(ooc::Context& context) {
 
 void FitRegions::find_boxes_of_samples(ooc::Context& context) {
     std::vector<FitSample> run(kSamplesPerRun);
-    std::uint64_t area = 0;
+    double area = 0;
     for (std::uint64_t r = 0; r < sample_boxes_.size(); ++r) {
         const std::uint64_t first = r * kSamplesPerRun;
         const std::span<FitSample> samples(run.data(),
@@ -130,12 +130,12 @@ void FitRegions::find_boxes_of_samples(ooc::Context& context) {
         Box& box = sample_boxes_[r] = empty_box();
         for (const FitSample& sample : samples) {
             box.extend(sample.position() - mesh_.origin);
-            area += sample.area;
+            area += static_cast<double>(sample.area());
         }
         context.check_stop();
     }
     const std::uint64_t n = std::max<std::uint64_t>(1, mesh_.vertices.size());
-    spacing_ = std::sqrt(static_cast<double>(area) / 256 / static_cast<double>(n));
+    spacing_ = std::sqrt(area / static_cast<double>(n));
     stride_ = std::max<std::uint64_t>(1, samples_.size() / (kMostSamplesPerVertex * n));
 }
 
@@ -221,7 +221,7 @@ void FitRegions::for_samples(
             const Vec3 q = p - centre;
             points.push_back(
                 {{static_cast<float>(q[0]), static_cast<float>(q[1]), static_cast<float>(q[2])},
-                 static_cast<float>(samples[i].area)});
+                 samples[i].area()});
         }
         if (!points.empty()) visit(points);
     }

@@ -30,8 +30,9 @@ ooc::Spool<FitSample> collect_samples(ooc::Context& context, const cluster::Cell
             for (std::size_t k = 0; k < 3; ++k) {
                 sample.offset[k] = static_cast<std::int16_t>(std::lround(record.mean[k] * 32768));
             }
-            const double area = static_cast<double>(record.area) * 256;
-            sample.area = static_cast<std::uint16_t>(std::clamp(area, 1.0, 65535.0));
+            constexpr std::uint32_t kLeast = 1;  // subnormal, but above 0
+            const std::uint32_t bits = std::bit_cast<std::uint32_t>(record.area) >> 16;
+            sample.area_bits = static_cast<std::uint16_t>(std::max(bits, kLeast));
             piece.push_back(sample);
         }
         samples.append(piece);

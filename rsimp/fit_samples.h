@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 
 #include "cluster/cell_blocks.h"
@@ -17,8 +18,11 @@ namespace hewer::rsimp {
 struct FitSample {
     std::uint64_t code;                  ///< of the cell
     std::array<std::int16_t, 3> offset;  ///< from the cell's centre, in 2^-15 cells
-    std::uint16_t area;                  ///< in 2^-8 cell areas, at least one, saturated
+    std::uint16_t area_bits;             ///< the upper half of a float
 
+    [[nodiscard]] float area() const {  ///< cell areas, above 0
+        return std::bit_cast<float>(static_cast<std::uint32_t>(area_bits) << 16);
+    }
     [[nodiscard]] Vec3 position() const {  ///< in cells from the lattice origin
         constexpr double kStep = 1.0 / (1 << 15);
         return cluster::center_of(code) +

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+/// The fit brings every LOD closer to the original and breaks nothing.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hewer/error.h"
+#include "hewer/measure.h"
+#include "ooc/vec3.h"
+#include "tests/support/mesh_checks.h"
+#include "tests/support/run_simplify.h"
+#include "tests/support/shapes.h"
+
+namespace hewer::test {
+
+namespace {
+
+Mesh fitted(const Mesh& mesh, double triangles, unsigned rounds, Method method = Method::Refine) {
+    SimplifyOptions options = options_for(Target::Kind::Triangles, triangles);
+    options.method = method;
+    options.fit_rounds = rounds;
+    return run_simplify(mesh, options).lods[0];
+}
+
+MeasureReport distance(const Mesh& original, const Mesh& simplified) {
+    const auto a = view_mesh(original);
+    const auto b = view_mesh(simplified);
+    return measure(*a, *b);
+}
+
+/// A sphere with waves that the target cannot follow.
+Mesh wavy_sphere() {
+    return cube_sphere(60, 0.01, 3);
+}
+
+}  // namespace
+
+TEST(Fit, BringsBothDirectionsCloserToTheOriginal) {
+    const std::vector<std::pair<std::string, Mesh>> meshes = {{"wavy sphere", wavy_sphere()},
+                                                              {"torus", torus(200, 100)},
+                                                              {"plane", plane_grid(120, 0.01)}};
+    for (const auto& [name, mesh] : meshes) {
+        const MeasureReport before = distance(mesh, fitted(mesh, 900, 0));
+        const MeasureReport after = distance(mesh, fitted(mesh, 900, 4));
+        EXPECT_LT(after.forward.rms, 0.95 * before.forward.rms) << name;
+        EXPECT_LT(after.backward.rms, 0.97 * before.backward.rms) << name;
+    }
+}
+
+TEST(Fit, MoreRoundsComeCloser) {
+    const Mesh mesh = wavy_sphere();
+    double before = 1e9;
+    for (const unsigned rounds : {0U, 1U, 4U, 16U}) {
+        const double rms = distance(mesh, fitted(mesh, 700, rounds)).forward.rms;
+        EXPECT_LT(rms, before) << rounds;
+        before = rms;
+    }
+}
+
+TEST(Fit, KeepsTheConnectivity) {
+    const Mesh mesh = wavy_sphere();
+    const Mesh plain = fitted(mesh, 500, 0);
+    const Mesh moved = fitted(mesh, 500, 4);
+    EXPECT_EQ(triangle_set(plain.triangles), triangle_set(moved.triangles));
+    EXPECT_NE(plain.positions, moved.positions);
+}
+
+TEST(Fit, FoldsNoFace) {
+    const Mesh mesh = cube_sphere(40, 0.03, 8);
+    for (const double target : {60.0, 300.0, 3000.0}) {
+        const Mesh plain = fitted(mesh, target, 0);
+        const Mesh moved = fitted(mesh, target, 12);
+        std::uint64_t folded = 0;
+        for (const Triangle& t : moved.triangles) {
+            if (dot(cross_of(plain, t), cross_of(moved, t)) <= 0) ++folded;
+        }
+        EXPECT_EQ(folded, 0U) << target;
+    }
+}
+
+TEST(Fit, LeavesBordersWhereTheyWere) {
+    const Mesh mesh = plane_grid(80, 0.01);
+    const Mesh plain = fitted(mesh, 700, 0);
+    const Mesh moved = fitted(mesh, 700, 4);
+    std::map<std::pair<std::uint64_t, std::uint64_t>, int> faces_of;
+    for (const Triangle& t : plain.triangles) {
+        for (std::size_t k = 0; k < 3; ++k) ++faces_of[std::minmax(t[k], t[(k + 1) % 3])];
+    }
+    std::uint64_t n_moved = 0;
+    for (const auto& [edge, n] : faces_of) {
+        if (n == 1) {
+            EXPECT_EQ(moved.positions[edge.first], plain.positions[edge.first]);
+            EXPECT_EQ(moved.positions[edge.second], plain.positions[edge.second]);
+        } else if (moved.positions[edge.first] != plain.positions[edge.first]) {
+            ++n_moved;
+        }
+    }
+    EXPECT_GT(n_moved, 100U);
+}
+
+TEST(Fit, PartsThatVanishedDoNotPull) {
+    // The small sphere has no triangle to spare: it goes, and what is near it must not reach for
+    // it.
+    const Mesh large = cube_sphere(40);
+    const Mesh small = translated(scaled(cube_sphere(6), {0.02, 0.02, 0.02}), {1.3, 0, 0});
+    const Mesh mesh = joined(large, small);
+    const Mesh moved = fitted(mesh, 200, 8);
+    for (const Vec3& p : moved.positions) EXPECT_LT(p[0], 1.05);
+}
+
+TEST(Fit, DoesNotDependOnThreadsOrMemory) {
+    const Mesh mesh = with_colors(wavy_sphere());
+    SimplifyOptions options = options_for(Target::Kind::Triangles, 4000);
+    options.fit_rounds = 3;
+    options.n_threads = 1;
+    const std::string hash = run_simplify(mesh, options).report.result_hash;
+    for (const unsigned threads : {2U, 7U}) {
+        options.n_threads = threads;
+        for (const std::uint64_t page : {0ULL, 4096ULL}) {
+            options.tuning.page_bytes = page;
+            EXPECT_EQ(run_simplify(mesh, options).report.result_hash, hash);
+        }
+    }
+}
+
+TEST(Fit, EveryLodIsFittedAndTheyNest) {
+    const Mesh mesh = wavy_sphere();
+    SimplifyOptions options;
+    for (const double n : {4000.0, 1000.0, 200.0}) {
+        options.targets.push_back({Target::Kind::Triangles, n});
+    }
+    const Outcome run = run_simplify(mesh, options);
+    for (const LodReport& lod : run.report.lods) {
+        EXPECT_GT(lod.fit.rounds, 0U);
+        EXPECT_GT(lod.fit.first_move, 0);
+        EXPECT_LT(lod.fit.last_move, lod.fit.first_move);
+        EXPECT_TRUE(lod.is_nested);
+    }
+}
+
+TEST(Fit, IsOffUnderAnErrorBoundAndForUniform) {
+    const Mesh mesh = wavy_sphere();
+    EXPECT_EQ(run_simplify(mesh, options_for(Target::Kind::Error, 0.1)).report.lods[0].fit.rounds,
+              0U);
+    SimplifyOptions options = options_for(Target::Kind::Triangles, 2000);
+    options.method = Method::Uniform;
+    EXPECT_EQ(run_simplify(mesh, options).report.lods[0].fit.rounds, 0U);
+    options.fit_rounds = 2;
+    EXPECT_EQ(run_simplify(mesh, options).report.lods[0].fit.rounds, 2U);
+    options = options_for(Target::Kind::Error, 0.1);
+    options.fit_rounds = 2;
+    EXPECT_THROW(run_simplify(mesh, options), InvalidArgument);
+}
+
+}  // namespace hewer::test
