@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "ooc/parallel.h"
+#include "rsimp/blocks_in_flight.h"
 #include "rsimp/face_window.h"
 #include "rsimp/fit_moves.h"
 #include "rsimp/fit_regions.h"
@@ -27,7 +27,7 @@ class Fit {
         : context_(context),
           mesh_(mesh),
           regions_(context, mesh, samples, boxes, first_cluster),
-          positions_(context, kWhat) {
+          positions_(context, kPositions) {
         std::vector<StoredVertex> vertices;
         std::vector<Vec3> piece;
         for (std::uint64_t first = 0; first < mesh.vertices.size(); first += kPiece) {
@@ -49,53 +49,49 @@ class Fit {
     [[nodiscard]] std::uint64_t held() const { return held_; }
 
   private:
-    static constexpr const char* kWhat = "positions of vertices";
-
-    [[nodiscard]] ooc::Reservation reserve_regions() const {
-        return context_.budget().reserve("regions of the fit",
-                                         context_.n_threads() * FitRegions::kRegionBytes);
-    }
+    static constexpr const char* kWhat = "regions of the fit";
+    static constexpr const char* kPositions = "positions of vertices";
 
     ooc::Spool<Vec3> propose() {
-        const ooc::Reservation memory = reserve_regions();
         const double reach = kSampleReach * regions_.spacing();
         const double most = kMostDistance * regions_.spacing();
         ooc::Spool<Vec3> moves(context_, "moves of vertices");
-        context_.workers().in_order(
-            regions_.size(), context_.n_threads() + 1,
-            [&](std::uint64_t r) {
+        const double face_reach = reach + 2 * most;
+        const BlocksInFlight in_flight(context_, kWhat, regions_.region_bytes(face_reach));
+        in_flight.sweep<std::vector<Vec3>>(
+            regions_.size(),
+            [&](std::uint64_t r, std::vector<Vec3>& own) {
                 std::vector<std::uint64_t> vertices;
-                const FitPiece piece = regions_.load(r, reach + 2 * most, positions_, vertices);
+                const FitPiece piece = regions_.load(r, face_reach, positions_, vertices);
                 FitMoves sums(piece, most);
                 regions_.for_samples(
                     r, reach, piece.centre,
                     [&](std::span<const WeightedPoint> points) { sums.pull(points); });
-                context_.check_stop();
-                return sums.moves();
+                own = sums.moves();
             },
             [&](std::uint64_t, const std::vector<Vec3>& own) { moves.append(own); });
         return moves;
     }
 
     void apply(const ooc::Spool<Vec3>& moves) {
-        const ooc::Reservation memory = reserve_regions();
         struct Result {
             std::vector<Vec3> positions;
             std::uint64_t held = 0;
             double squares = 0;
         };
-        ooc::Spool<Vec3> moved(context_, kWhat);
+        ooc::Spool<Vec3> moved(context_, kPositions);
         held_ = 0;
         double squares = 0;
-        context_.workers().in_order(
-            regions_.size(), context_.n_threads() + 1,
-            [&](std::uint64_t r) {
+        const BlocksInFlight in_flight(context_, kWhat, regions_.region_bytes(0));
+        in_flight.sweep<Result>(
+            regions_.size(),
+            [&](std::uint64_t r, Result& result) {
                 std::vector<std::uint64_t> vertices;
                 const FitPiece piece = regions_.load(r, 0, positions_, vertices);
                 const std::vector<Vec3> all = read_places(moves, vertices);
                 const std::vector<bool> is_held =
                     held_vertices(piece, read_positions(mesh_, vertices), all);
-                Result result;
+                result = {};
                 result.positions.resize(piece.n_own);
                 positions_.read(regions_.first_vertex(r), result.positions);
                 for (std::uint32_t v = 0; v < piece.n_own; ++v) {
@@ -106,13 +102,12 @@ class Fit {
                     result.positions[v] = result.positions[v] + all[v];
                     result.squares += dot(all[v], all[v]);
                 }
-                context_.check_stop();
-                return result;
             },
             [&](std::uint64_t, const Result& result) {
                 moved.append(result.positions);
                 held_ += result.held;
                 squares += result.squares;
+                context_.advance(result.positions.size());
             });
         positions_ = std::move(moved);
         last_move_ = std::sqrt(squares / static_cast<double>(positions_.size()));

@@ -139,6 +139,24 @@ void FitRegions::find_boxes_of_samples(ooc::Context& context) {
     stride_ = std::max<std::uint64_t>(1, samples_.size() / (kMostSamplesPerVertex * n));
 }
 
+/// Counts whole runs.
+std::uint64_t FitRegions::faces_at_most(std::size_t region, double reach) const {
+    std::uint64_t n = 0;
+    for (const Box& box : face_boxes_) n += boxes_[region].meets(box, reach) ? kFacesPerRun : 0;
+    return n;
+}
+
+std::uint64_t FitRegions::region_bytes(double reach) const {
+    std::uint64_t most = kFacesPerRun;
+    for (std::size_t r = 0; r < size(); ++r) {
+        const std::uint64_t n = faces_at_most(r, reach);
+        if (n <= kMostFaces) most = std::max(most, n);
+    }
+    // A face, its corners and those of others, its part of vertices, of the tree and of the sums.
+    constexpr std::uint64_t kBytesPerFace = 24 + 24 + 12 + 40 + 100 + 60;
+    return most * kBytesPerFace;
+}
+
 FitPiece FitRegions::load(std::size_t region, double reach, const ooc::Spool<Vec3>& positions,
                           std::vector<std::uint64_t>& vertices) const {
     const Box& box = boxes_[region];
@@ -154,14 +172,11 @@ FitPiece FitRegions::load(std::size_t region, double reach, const ooc::Spool<Vec
     for (std::uint64_t i = 0; i < n_own; ++i) vertices[i] = first_own + i;
 
     std::vector<Face> corners;
-    for (std::uint64_t run = 0; run < face_boxes_.size(); ++run) {
+    const bool is_small = faces_at_most(region, reach) <= kMostFaces;
+    for (std::uint64_t run = 0; is_small && run < face_boxes_.size(); ++run) {
         if (!box.meets(face_boxes_[run], reach)) continue;
         const std::uint64_t first = run * kFacesPerRun;
         const std::uint64_t n = std::min(kFacesPerRun, mesh_.faces.size() - first);
-        if (corners.size() + n > kMostFaces) {
-            corners.clear();
-            break;
-        }
         corners.resize(corners.size() + n);
         mesh_.faces.read(first, std::span(corners).last(n));
     }

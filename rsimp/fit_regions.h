@@ -23,14 +23,13 @@ namespace hewer::rsimp {
 /// Nothing here depends on memory or threads.
 ///
 /// Passes to begin with: one over vertices, faces and samples. Memory: IdIndex, some 10 bytes for
-/// each hundred faces or samples; while a region is in work kRegionBytes.
+/// each hundred faces or samples; while a region is in work region_bytes().
 class FitRegions {
   public:
     /// Own vertices of a region, at most, unless a single box has more.
     static constexpr std::uint64_t kMostVertices = 1 << 14;
     /// A region with more faces around it than this is left as it is.
-    static constexpr std::uint64_t kMostFaces = 8 * kMostVertices;
-    static constexpr std::uint64_t kRegionBytes = kMostFaces * 128;
+    static constexpr std::uint64_t kMostFaces = 4 * kMostVertices;
 
     /// `boxes`, and the first cluster of each and the end, are those that the mesh was made in.
     FitRegions(ooc::Context& context, const MeshStore& mesh, const ooc::Spool<FitSample>& samples,
@@ -41,6 +40,9 @@ class FitRegions {
     [[nodiscard]] std::uint64_t first_vertex(std::size_t region) const { return first_[region]; }
     /// Mean distance between neighbouring vertices, in cells: root of the area for each.
     [[nodiscard]] double spacing() const { return spacing_; }
+
+    /// Memory for any one region with what lies within `reach`, and its tree of faces and sums.
+    [[nodiscard]] std::uint64_t region_bytes(double reach) const;
 
     /// A region with its faces and all others within `reach` of its box; `vertices` gets the ranks
     /// of all of its vertices, own ones first. No faces if there are more than kMostFaces. Any
@@ -64,6 +66,7 @@ class FitRegions {
     };
     static Box empty_box();
 
+    [[nodiscard]] std::uint64_t faces_at_most(std::size_t region, double reach) const;
     void cut(ooc::Context& context, std::span<const cluster::OctreeBox> boxes,
              std::span<const std::uint64_t> first_cluster);
     void find_boxes_of_faces(ooc::Context& context);

@@ -90,8 +90,8 @@ double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
 
 unsigned fit_rounds(const SimplifyOptions& options) {
     const bool has_error = !options.targets.empty() && is_error(options.targets.front().kind);
-    return options.fit_rounds.value_or(
-        options.method == Method::Uniform || has_error ? 0 : kFitRounds);
+    return options.fit_rounds.value_or(options.method == Method::Uniform || has_error ? 0
+                                                                                      : kFitRounds);
 }
 
 void check_options(const SimplifyOptions& options) {

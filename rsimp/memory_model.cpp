@@ -9,6 +9,7 @@
 #include "cluster/cell_sums.h"
 #include "ooc/memory_budget.h"
 #include "ooc/page_evictor.h"
+#include "rsimp/fit_samples.h"
 #include "rsimp/mesh_store.h"
 
 namespace hewer::rsimp {
@@ -62,8 +63,21 @@ std::uint64_t refine_bytes(const MemoryCounts& n) {
     return blocks_bytes(n) + n.cells * 6 + n.clusters * 10 + cluster_bytes(n);
 }
 
+/// What the fit sees of the original.
+std::uint64_t sample_bytes(const MemoryCounts& n) {
+    return n.has_fit ? n.cells * sizeof(FitSample) : 0;
+}
+
 std::uint64_t finish_bytes(const MemoryCounts& n) {
-    return piece_bytes(n) + std::max(cluster_bytes(n), n.clusters * 20 + lod_bytes(n));
+    return sample_bytes(n) + piece_bytes(n) +
+           std::max(cluster_bytes(n), n.clusters * 20 + lod_bytes(n));
+}
+
+/// An LOD, positions and moves of its vertices, and the vertices where they end.
+std::uint64_t fit_bytes(const MemoryCounts& n) {
+    if (!n.has_fit) return 0;
+    return sample_bytes(n) + lod_bytes(n) +
+           n.lod_vertices * (3 * sizeof(Vec3) + sizeof(StoredVertex));
 }
 
 }  // namespace
@@ -87,7 +101,7 @@ std::uint64_t ample_memory_bytes(const MemoryCounts& n) {
     // Order, ranks and codes of the cells, and their records, beside the sums.
     const std::uint64_t build = sums + n.cells * (16 + 4 + 4) + blocks_bytes(n) + triples;
     return least_memory_bytes(n) / 2 +
-           std::max({accumulate, build, refine_bytes(n), finish_bytes(n)});
+           std::max({accumulate, build, refine_bytes(n), finish_bytes(n), fit_bytes(n)});
 }
 
 std::uint64_t temp_bytes(const MemoryCounts& n, std::uint64_t limit) {
@@ -120,8 +134,8 @@ std::uint64_t temp_bytes(const MemoryCounts& n, std::uint64_t limit) {
         at_once += limit / ooc::PageEvictor::kLeastShare;
     }
     const std::uint64_t blocks = least_memory_bytes(n) / 2;
-    return std::max(
-        {beyond(merge, at_once), beyond(refine_bytes(n), blocks), beyond(finish_bytes(n), blocks)});
+    return std::max({beyond(merge, at_once), beyond(refine_bytes(n), blocks),
+                     beyond(finish_bytes(n), blocks), beyond(fit_bytes(n), blocks)});
 }
 
 }  // namespace hewer::rsimp

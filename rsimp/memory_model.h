@@ -15,6 +15,7 @@ struct MemoryCounts {
     std::uint64_t lod_vertices = 0;  ///< of the largest level of detail
     unsigned n_threads = 1;
     bool has_attributes = false;
+    bool has_fit = false;
 };
 
 /// Vertices stay in memory while the triangles are read if they take no more than this part of it;

@@ -127,6 +127,7 @@ PlanReport plan(const std::filesystem::path& input, const SimplifyOptions& optio
                                               : std::max(1U, std::thread::hardware_concurrency());
     counts.has_attributes =
         info.has_normals || info.has_colors || options.priority == SplitPriority::NormalVariation;
+    counts.has_fit = rsimp::fit_rounds(options) > 0;
     report.memory_limit_bytes =
         options.memory_bytes != 0 ? options.memory_bytes : ooc::default_memory_limit();
     report.least_memory_bytes = rsimp::least_memory_bytes(counts);
