@@ -21,10 +21,21 @@ struct CellRecord {
     std::array<float, 3> mean;
     float area;        ///< of the surface that the cell stands for
     std::uint32_t id;  ///< own place in Morton order: stays with the record when it is moved
+    /// kHasBorder; and below it, for each axis kBeyondBits bits with how far the mean proper is
+    /// beyond `mean`, in kBeyondStep, plus half of their range.
     std::uint32_t flags;
 
-    static constexpr std::uint32_t kHasBorder = 1;
-    static constexpr std::uint32_t kHasFace = 2;  ///< a surviving triangle has a corner here
+    [[nodiscard]] std::array<double, 3> mean_beyond() const {
+        std::array<double, 3> result;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t bits = flags >> (kBeyondBits * k) & ((1U << kBeyondBits) - 1);
+            result[k] = kBeyondStep * (static_cast<double>(bits) - (1U << (kBeyondBits - 1)));
+        }
+        return result;
+    }
+    static constexpr std::uint32_t kHasBorder = 1U << 31;
+    static constexpr unsigned kBeyondBits = 10;
+    static constexpr double kBeyondStep = 0.05 / 511;
     /// Below one half, so that rounding finds the centre again in single precision.
     static constexpr double kMostOffset = 0.45;
 };

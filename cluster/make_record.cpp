@@ -55,16 +55,19 @@ CellRecord make_record(const CellSums& sums, const FixedPoint& fixed, double bor
     for (std::size_t i = 0; i < 3; ++i) q.b[i] = value(6 + i);
     q.c = value(9);
     const double area = q.trace();
-    Vec3 mean{};
-    if (area > 0) {
-        for (std::size_t i = 0; i < 3; ++i) {
-            mean[i] =
-                std::clamp(value(10 + i) / area, -CellRecord::kMostOffset, CellRecord::kMostOffset);
-        }
-    }
     CellRecord record{};
-    record.flags = has_border(sums) ? CellRecord::kHasBorder : 0;
-    if (record.flags != 0 && border_weight > 0) {
+    Vec3 mean{};
+    for (std::size_t i = 0; i < 3; ++i) {
+        const double exact = area > 0 ? std::clamp(value(10 + i) / area, -0.5, 0.5) : 0;
+        mean[i] = std::clamp(exact, -CellRecord::kMostOffset, CellRecord::kMostOffset);
+        const auto beyond =
+            static_cast<std::int32_t>(std::lround((exact - mean[i]) / CellRecord::kBeyondStep));
+        record.flags |= static_cast<std::uint32_t>(beyond + (1 << (CellRecord::kBeyondBits - 1)))
+                        << (CellRecord::kBeyondBits * i);
+    }
+    const bool is_border = has_border(sums);
+    if (is_border) record.flags |= CellRecord::kHasBorder;
+    if (is_border && border_weight > 0) {
         const Quadric border = border_quadric(sums, fixed);
         for (std::size_t i = 0; i < 6; ++i) q.a[i] += border_weight * border.a[i];
         for (std::size_t i = 0; i < 3; ++i) q.b[i] += border_weight * border.b[i];

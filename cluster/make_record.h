@@ -16,7 +16,7 @@ bool has_border(const CellSums& sums);
 /// winding, and the sums that should cancel do not.
 bool is_border_implausible(std::uint64_t n_border_cells, std::uint64_t n_cells);
 
-/// The mean is relative to the cell's centre; id and flags but kHasBorder are not set.
+/// The mean is relative to the cell's centre; the id is not set.
 CellRecord make_record(const CellSums& sums, const FixedPoint& fixed, double border_weight);
 
 CellAttributes make_attributes(const AttributeSums& sums, const FixedPoint& fixed);

@@ -27,8 +27,11 @@ ooc::Spool<FitSample> collect_samples(ooc::Context& context, const cluster::Cell
             const cluster::CellRecord& record = records[i];
             if (!(record.area > 0)) continue;
             FitSample sample{codes[i], {}, 0};
+            const auto beyond = record.mean_beyond();
             for (std::size_t k = 0; k < 3; ++k) {
-                sample.offset[k] = static_cast<std::int16_t>(std::lround(record.mean[k] * 32768));
+                const double offset = static_cast<double>(record.mean[k]) + beyond[k];
+                sample.offset[k] = static_cast<std::int16_t>(
+                    std::clamp(std::lround(offset * 32768), -16384L, 16384L));
             }
             constexpr std::uint32_t kLeast = 1;  // subnormal, but above 0
             const std::uint32_t bits = std::bit_cast<std::uint32_t>(record.area) >> 16;
