@@ -8,6 +8,7 @@
 #include "app/progress_bar.h"
 #include "app/report_json.h"
 #include "hewer/measure.h"
+#include "hewer/text_file.h"
 #include "hewer/units.h"
 
 namespace hewer::app {
@@ -56,10 +57,11 @@ void run_measure(const Arguments& arguments, const std::stop_token& stop) {
         choose_progress_style(arguments.get<std::string>("progress"), arguments.flag("quiet")));
     const MeasureReport report = measure_files(original, simplified, options, printer.hooks(stop));
     printer.finish();
-    if (arguments.is_given("report")) {
-        write_report(arguments.path("report"), to_json(report, arguments));
-    }
     if (!arguments.flag("quiet")) print_table(report);
+    if (arguments.is_given("report")) {
+        write_text_file(arguments.path("report"), to_json(report, arguments),
+                        arguments.flag("force"));
+    }
 }
 
 }  // namespace hewer::app

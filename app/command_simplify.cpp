@@ -9,6 +9,7 @@
 #include "app/report_json.h"
 #include "app/simplify_options.h"
 #include "hewer/simplify.h"
+#include "hewer/text_file.h"
 #include "hewer/units.h"
 
 namespace hewer::app {
@@ -73,10 +74,11 @@ void run_simplify(const Arguments& arguments, const std::stop_token& stop) {
         simplify_file(arguments.path("input"), arguments.path("output"), options,
                       printer.hooks(stop), arguments.flag("force"));
     printer.finish();
-    if (arguments.is_given("report")) {
-        write_report(arguments.path("report"), to_json(report, arguments));
-    }
     if (!arguments.flag("quiet")) print_summary(report);
+    if (arguments.is_given("report")) {
+        write_text_file(arguments.path("report"), to_json(report, arguments),
+                        arguments.flag("force"));
+    }
 }
 
 }  // namespace hewer::app

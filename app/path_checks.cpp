@@ -29,6 +29,9 @@ void check_place(const PlannedOutput& output, bool force) {
         throw InvalidArgument(name + ": the folder " + folder.string() + " does not exist");
     }
     if (fs::is_directory(output.path, code)) throw InvalidArgument(name + ": is a folder");
+    if (fs::exists(output.path, code) && !fs::is_regular_file(output.path, code)) {
+        throw InvalidArgument(name + ": is a device or a pipe; outputs are ordinary files");
+    }
     if (!force && fs::exists(output.path, code)) {
         throw InvalidArgument(name + ": exists already; use --force to replace it");
     }

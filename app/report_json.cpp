@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "app/report_json.h"
 
-#include <unistd.h>
-
-#include <cerrno>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <system_error>
 #include <type_traits>
 
 #include "hewer/error.h"
@@ -250,26 +245,6 @@ std::string to_json(const PlanReport& r, const Arguments& arguments) {
                  {"bytes_read", r.bytes_read},
                  {"bytes_written", r.bytes_written},
                  {"seconds", r.seconds}});
-}
-
-void write_report(const std::filesystem::path& path, const std::string& text) {
-    std::filesystem::path temporary = path;
-    temporary += ".hewer-" + std::to_string(::getpid()) + ".tmp";
-    errno = 0;
-    std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
-    out << text;
-    out.close();
-    const int error = errno;
-    std::error_code code;
-    if (out) {
-        std::filesystem::rename(temporary, path, code);
-        if (!code) return;
-    } else {
-        code.assign(error != 0 ? error : EIO, std::generic_category());
-    }
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
-    throw IoError(path.string() + ": cannot write the report: " + code.message());
 }
 
 }  // namespace hewer::app

@@ -3,7 +3,6 @@
 /// enumerators in lower case, infinite and NaN numbers as null.
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include "app/arguments.h"
@@ -19,8 +18,5 @@ std::string to_json(const SimplifyReport& report, const Arguments& arguments);
 std::string to_json(const MeasureReport& report, const Arguments& arguments);
 std::string to_json(const InputReport& report);
 std::string to_json(const PlanReport& report, const Arguments& arguments);
-
-/// Writes `text` under a temporary name beside `path`, then renames. Throws IoError.
-void write_report(const std::filesystem::path& path, const std::string& text);
 
 }  // namespace hewer::app

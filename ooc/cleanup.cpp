@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "hewer/cleanup.h"
 
-#include "ooc/file.h"
+#include "ooc/pending_file.h"
 
 namespace hewer {
 

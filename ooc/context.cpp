@@ -21,10 +21,13 @@ constexpr std::int64_t kReportIntervalNs = 100'000'000;
 constexpr double kLeastFractionForEta = 0.02;
 }  // namespace
 
+unsigned thread_count(unsigned asked) {
+    return asked != 0 ? asked : std::max(1U, std::thread::hardware_concurrency());
+}
+
 Context::Context(const ResourceLimits& limits, Hooks hooks, std::vector<StageWeight> stages)
     : hooks_(std::move(hooks)),
-      n_threads_(limits.n_threads != 0 ? limits.n_threads
-                                       : std::max(1U, std::thread::hardware_concurrency())),
+      n_threads_(thread_count(limits.n_threads)),
       budget_(limits.memory_bytes != 0 ? limits.memory_bytes : default_memory_limit()),
       page_bytes_(limits.page_bytes != 0
                       ? limits.page_bytes

@@ -28,6 +28,9 @@ struct ResourceLimits {
     std::uint64_t page_bytes = 0;      ///< of spools; 0: by the memory limit
 };
 
+/// `asked`, or for 0 as many as the machine has.
+unsigned thread_count(unsigned asked);
+
 /// A stage of a run, for progress: its name and its expected share of the time.
 struct StageWeight {
     std::string name;

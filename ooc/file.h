@@ -6,8 +6,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
+
+#include "ooc/pending_file.h"
 
 namespace hewer::ooc {
 
@@ -33,24 +36,43 @@ class InputFile {
     std::uint64_t size_ = 0;
 };
 
-/// A file that appears under its name only when it is whole: written beside it under a temporary
-/// name
-/// ("name.hewer-PID-N.tmp"), then renamed. Destroyed before commit(): the temporary file is
-/// removed. Buffered; one thread.
+/// Files that get their names together: all are whole before the first is to be seen. A run that is
+/// killed has left all of them or, but for the microseconds between two names, none. One thread.
+class OutputGroup {
+  public:
+    /// Names what was committed into the group, in that order. Throws IoError; what has its name by
+    /// then keeps it.
+    void publish();
+
+  private:
+    friend class OutputFile;
+    struct Member {
+        std::unique_ptr<PendingFile> file;
+        bool overwrite;
+    };
+    std::vector<Member> members_;
+};
+
+/// A file that appears under its name only when it is whole (see PendingFile). Destroyed before
+/// commit(), it leaves nothing. Buffered; one thread.
 class OutputFile {
   public:
-    /// Throws IoError: the folder is missing or not writable, or `path` exists and `overwrite` is
-    /// false.
+    /// Throws IoError: the folder is missing or not writable; `path` exists and `overwrite` is
+    /// false; `path` is a folder, a device or a pipe, which cannot be replaced.
     OutputFile(const std::filesystem::path& path, bool overwrite);
     OutputFile(const OutputFile&) = delete;
     OutputFile& operator=(const OutputFile&) = delete;
     ~OutputFile();
 
+    /// commit() then leaves the name to group.publish(). `group` outlives the call.
+    void publish_with(OutputGroup& group) { group_ = &group; }
+
     void write(const void* data, std::size_t bytes);
     void write(const std::string& text) { write(text.data(), text.size()); }
     /// Overwrites earlier bytes, for counts that become known at the end. Flushes the buffer.
     void write_at(std::uint64_t offset, const void* data, std::size_t bytes);
-    /// Flushes, checks and renames. Throws IoError; the old file, if any, is then untouched.
+    /// Flushes, checks and gives the file its name. Throws IoError; the old file, if any, is then
+    /// untouched.
     void commit();
 
     [[nodiscard]] std::uint64_t bytes_written() const { return written_ + buffer_.size(); }
@@ -59,14 +81,11 @@ class OutputFile {
   private:
     void flush();
     std::filesystem::path path_;
-    std::filesystem::path temporary_;
     bool overwrite_ = false;
-    int fd_ = -1;
+    OutputGroup* group_ = nullptr;
+    std::unique_ptr<PendingFile> file_;  // null after commit()
     std::uint64_t written_ = 0;
     std::vector<char> buffer_;
 };
-
-/// Removes the temporary files of all OutputFiles that are open. Safe to call in a signal handler.
-void remove_temporary_outputs() noexcept;
 
 }  // namespace hewer::ooc

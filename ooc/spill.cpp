@@ -3,8 +3,10 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cerrno>
@@ -56,18 +58,33 @@ SpillSpace::SpillSpace(std::filesystem::path folder, std::uint64_t limit)
     }
 }
 
-void SpillSpace::throw_full(std::uint64_t bytes) const {
-    throw OutOfDiskBudget(
-        folder_.string() + ": no room for " + format_bytes(bytes) + " more of temporary files, " +
-        format_bytes(used()) + " are in use" +
-        (limit_ != 0 ? ", the limit is " + format_bytes(limit_) : std::string()) +
-        "; raise --max-temp, name a larger disk with --temp-dir, or raise --memory");
+void SpillSpace::throw_limit_reached(std::uint64_t bytes) const {
+    throw OutOfDiskBudget(folder_.string() + ": no room for " + format_bytes(bytes) +
+                          " more of temporary files: " + format_bytes(used()) +
+                          " are in use, the limit is " + format_bytes(limit_) +
+                          "; raise --max-temp, or raise --memory so that less goes to disk");
+}
+
+void SpillSpace::throw_disk_full(std::uint64_t bytes) const {
+    struct statvfs disk {};
+    std::string size;
+    if (::statvfs(folder_.c_str(), &disk) == 0) {
+        size = " of " + format_bytes(std::uint64_t{disk.f_blocks} * disk.f_frsize) + " in all";
+    }
+    // What could not be written counts as used already.
+    const std::uint64_t ours = used() - std::min(used(), bytes);
+    throw OutOfDiskBudget(folder_.string() + ": the disk" + size + " is full: no room for " +
+                          format_bytes(bytes) + " more of temporary files, " + format_bytes(ours) +
+                          " are in use" +
+                          (limit_ != 0 ? ", the limit is " + format_bytes(limit_) : std::string()) +
+                          "; free some space there, name another disk with --temp-dir, or raise "
+                          "--memory so that less goes to disk");
 }
 
 void SpillSpace::take(std::uint64_t bytes) {
     std::uint64_t used = used_.load(std::memory_order_relaxed);
     do {
-        if (limit_ != 0 && used + bytes > limit_) throw_full(bytes);
+        if (limit_ != 0 && used + bytes > limit_) throw_limit_reached(bytes);
     } while (!used_.compare_exchange_weak(used, used + bytes, std::memory_order_relaxed));
     std::uint64_t peak = peak_.load(std::memory_order_relaxed);
     while (peak < used + bytes &&
@@ -91,7 +108,7 @@ void SpillFile::write_at(std::uint64_t offset, const void* data, std::uint64_t b
                                    static_cast<off_t>(offset + done));
         if (n < 0) {
             if (errno == EINTR) continue;
-            if (errno == ENOSPC || errno == EDQUOT) space_.throw_full(bytes - done);
+            if (errno == ENOSPC || errno == EDQUOT) space_.throw_disk_full(bytes - done);
             throw IoError(space_.folder().string() +
                           ": cannot write a temporary file: " + reason(errno));
         }

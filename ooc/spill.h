@@ -28,7 +28,8 @@ class SpillSpace {
     /// Throws OutOfDiskBudget beyond the limit.
     void take(std::uint64_t bytes);
     void give_back(std::uint64_t bytes) { used_.fetch_sub(bytes, std::memory_order_relaxed); }
-    [[noreturn]] void throw_full(std::uint64_t bytes) const;
+    [[noreturn]] void throw_limit_reached(std::uint64_t bytes) const;
+    [[noreturn]] void throw_disk_full(std::uint64_t bytes) const;
 
     std::filesystem::path folder_;
     std::uint64_t limit_;

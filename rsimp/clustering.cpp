@@ -308,28 +308,6 @@ class Pass {
     SimplifyReport& report_;
 };
 
-/// Refuses a limit that the run would hit later, with one that will do.
-void check_memory(ooc::Context& context, const SimplifyOptions& options, const SourceInfo& info) {
-    MemoryCounts counts;
-    counts.vertices = info.is_indexed ? info.n_vertices : 0;
-    counts.n_threads = context.n_threads();
-    counts.has_attributes =
-        info.has_normals || info.has_colors || options.priority == SplitPriority::NormalVariation;
-    if (!options.targets.empty()) {
-        const double vertices = target_vertices(options.targets.front(), info.n_faces);
-        counts.lod_vertices = static_cast<std::uint64_t>(vertices);
-        counts.clusters = static_cast<std::uint64_t>(kClustersPerVertex * vertices);
-    }
-    const std::uint64_t needed = least_memory_bytes(counts);
-    const std::uint64_t limit = context.budget().limit();
-    if (needed <= limit) return;
-    // Rounded up, so that the number in the message will do.
-    const std::uint64_t mib = (needed >> 20) + 1;
-    throw OutOfMemoryBudget(info.name + ": needs " + std::to_string(mib) +
-                            " MiB at least, the limit is " + ooc::format_bytes(limit) +
-                            "; raise --memory to " + std::to_string(mib) + " MiB or more");
-}
-
 }  // namespace
 
 CellBlocks cluster_input(ooc::Context& context, MeshSource& source, const SimplifyOptions& options,
@@ -350,7 +328,6 @@ CellBlocks cluster_input(ooc::Context& context, MeshSource& source, const Simpli
     input.has_colors = info.has_colors;
     input.ignored = info.ignored;
 
-    check_memory(context, options, info);
     Vertices vertices;
     vertices.is_resident = options.tuning.window_vertices == 0 &&
                            16 * info.n_vertices <= context.budget().limit() / kResidentShare;

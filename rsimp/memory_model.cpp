@@ -3,13 +3,18 @@
 
 #include <algorithm>
 #include <bit>
+#include <string>
 
 #include "cluster/cell_record.h"
 #include "cluster/cell_runs.h"
 #include "cluster/cell_sums.h"
+#include "hewer/error.h"
+#include "ooc/context.h"
 #include "ooc/memory_budget.h"
 #include "ooc/page_evictor.h"
+#include "ooc/units.h"
 #include "rsimp/fit_samples.h"
+#include "rsimp/grid_choice.h"
 #include "rsimp/mesh_store.h"
 
 namespace hewer::rsimp {
@@ -90,6 +95,34 @@ std::uint64_t least_memory_bytes(const MemoryCounts& n) {
     const std::uint64_t per_thread = 4ULL << 20;
     return ooc::MemoryBudget::kFixedBytes + blocks + n.n_threads * per_thread + n.vertices / 12 +
            n.lod_vertices * 5 + n.clusters / 4;
+}
+
+std::uint64_t least_limit(const SimplifyOptions& options, const SourceInfo& info) {
+    MemoryCounts counts;
+    counts.vertices = info.is_indexed ? info.n_vertices : 0;
+    counts.n_threads = ooc::thread_count(options.n_threads);
+    counts.has_attributes =
+        info.has_normals || info.has_colors || options.priority == SplitPriority::NormalVariation;
+    if (!options.targets.empty()) {
+        const auto most = static_cast<double>(info.is_indexed ? info.n_vertices : 3 * info.n_faces);
+        const double vertices =
+            std::min(most, target_vertices(options.targets.front(), info.n_faces));
+        counts.lod_vertices = static_cast<std::uint64_t>(vertices);
+        counts.clusters = static_cast<std::uint64_t>(kClustersPerVertex * vertices);
+    }
+    constexpr std::uint64_t kMiB = 1 << 20;
+    return (least_memory_bytes(counts) / kMiB + 1) * kMiB;
+}
+
+void require_memory(const SimplifyOptions& options, const SourceInfo& info) {
+    const std::uint64_t limit =
+        options.memory_bytes != 0 ? options.memory_bytes : ooc::default_memory_limit();
+    const std::uint64_t least = least_limit(options, info);
+    if (least <= limit) return;
+    const std::string number = std::to_string(least >> 20) + " MiB";
+    throw OutOfMemoryBudget(info.name + ": needs " + number + " at least, the limit is " +
+                            ooc::format_bytes(limit) + "; raise --memory to " + number +
+                            " or more");
 }
 
 std::uint64_t ample_memory_bytes(const MemoryCounts& n) {

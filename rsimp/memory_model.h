@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "hewer/mesh_source.h"
+#include "hewer/options.h"
+
 namespace hewer::rsimp {
 
 /// The counts that memory depends on. All but the first two are estimates before a run.
@@ -34,6 +37,13 @@ constexpr std::uint64_t slack_bytes(std::uint64_t limit) {
 /// With less than this a run may fail; with it, it goes through, whatever the rest of the counts:
 /// what does not fit waits on disk.
 std::uint64_t least_memory_bytes(const MemoryCounts& counts);
+
+/// What simplify() asks for at least, by what is known before any work: whole MiB, so that the
+/// number can be typed.
+std::uint64_t least_limit(const SimplifyOptions& options, const SourceInfo& info);
+
+/// Refuses a limit that the run would hit later, with one that will do: OutOfMemoryBudget.
+void require_memory(const SimplifyOptions& options, const SourceInfo& info);
 
 /// What a run takes when it has all that it can use: nothing goes to disk then.
 std::uint64_t ample_memory_bytes(const MemoryCounts& counts);

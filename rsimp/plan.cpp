@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <thread>
 #include <vector>
 
 #include "cluster/cell_sample.h"
@@ -123,14 +122,13 @@ PlanReport plan(const std::filesystem::path& input, const SimplifyOptions& optio
     counts.cells = report.cells;
     counts.clusters = clusters;
     counts.lod_vertices = out_triangles / 2;
-    counts.n_threads = options.n_threads != 0 ? options.n_threads
-                                              : std::max(1U, std::thread::hardware_concurrency());
+    counts.n_threads = ooc::thread_count(options.n_threads);
     counts.has_attributes =
         info.has_normals || info.has_colors || options.priority == SplitPriority::NormalVariation;
     counts.has_fit = rsimp::fit_rounds(options) > 0;
     report.memory_limit_bytes =
         options.memory_bytes != 0 ? options.memory_bytes : ooc::default_memory_limit();
-    report.least_memory_bytes = rsimp::least_memory_bytes(counts);
+    report.least_memory_bytes = rsimp::least_limit(options, info);
     report.memory_bytes = std::min(rsimp::ample_memory_bytes(counts),
                                    std::max(report.memory_limit_bytes, report.least_memory_bytes));
     report.fits = report.least_memory_bytes <= report.memory_limit_bytes;

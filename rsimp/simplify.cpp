@@ -71,6 +71,7 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
                         const ParentsCallback& parents) {
     const auto start = std::chrono::steady_clock::now();
     check_options(options);
+    require_memory(options, source.info());
     ooc::Context context({.memory_bytes = options.memory_bytes,
                           .n_threads = options.n_threads,
                           .temp_dir = options.temp_dir,

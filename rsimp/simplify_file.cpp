@@ -94,7 +94,9 @@ SimplifyReport simplify_file(const std::filesystem::path& input,
                              const Hooks& hooks, bool overwrite) {
     const std::unique_ptr<MeshSource> source = open_mesh(input, options.strict);
     const std::size_t n = std::max<std::size_t>(1, options.targets.size());
-    // All outputs are opened before any work, so that a bad place for them costs nothing.
+    // All outputs are opened before any work, so that a bad place for them costs nothing. They get
+    // their names together: a run that fails leaves no part of a chain, and none that is half new.
+    ooc::OutputGroup outputs;
     std::vector<std::unique_ptr<MeshSink>> sinks;
     for (std::size_t i = 0; i < n; ++i) {
         const std::filesystem::path path = lod_path(output, i, n);
@@ -106,11 +108,12 @@ SimplifyReport simplify_file(const std::filesystem::path& input,
             throw InvalidArgument(path.string() +
                                   ": is the input; choose another name for the output");
         }
-        sinks.push_back(create_mesh_file(path, overwrite));
+        sinks.push_back(streaming::create_mesh_file(path, overwrite, outputs));
     }
     std::unique_ptr<ooc::OutputFile> manifest_file;
     if (n > 1) {
         manifest_file = std::make_unique<ooc::OutputFile>(manifest_path(output), overwrite);
+        manifest_file->publish_with(outputs);
     }
     SimplifyReport report = simplify(
         *source, [&](std::size_t i) { return std::move(sinks[i]); }, options, hooks);
@@ -119,6 +122,7 @@ SimplifyReport simplify_file(const std::filesystem::path& input,
         manifest_file->write(manifest(report));
         manifest_file->commit();
     }
+    outputs.publish();
     return report;
 }
 

@@ -30,6 +30,8 @@ class FileSink : public MeshSink {
     void add_triangles(std::span<const Triangle> triangles) final;
     void add_points(std::span<const std::array<Vec3, 3>> triangles) final;
     void finish() final;
+    /// The file then gets its name from group.publish(), after finish(). Before finish().
+    void publish_with(ooc::OutputGroup& group) { file_.publish_with(group); }
     [[nodiscard]] std::uint64_t bytes_written() const final { return file_.bytes_written(); }
 
   protected:

@@ -159,7 +159,7 @@ void require_glb_fits(const std::filesystem::path& path, const SinkHeader& heade
     require_float_range(header.bounds, path, "glTF");
 }
 
-std::unique_ptr<MeshSink> create_glb(const std::filesystem::path& path, bool overwrite) {
+std::unique_ptr<FileSink> create_glb(const std::filesystem::path& path, bool overwrite) {
     return std::make_unique<GlbWriter>(path, overwrite);
 }
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "hewer/mesh_sink.h"
+#include "streaming/file_sink.h"
 
 namespace hewer::streaming {
 
@@ -26,7 +26,7 @@ namespace hewer::streaming {
 /// positions are known. Memory: kFileSinkBytes + kGlbBytes.
 ///
 /// begin() throws what require_glb_fits() throws, IoError as OutputFile does.
-std::unique_ptr<MeshSink> create_glb(const std::filesystem::path& path, bool overwrite);
+std::unique_ptr<FileSink> create_glb(const std::filesystem::path& path, bool overwrite);
 
 /// Throws InvalidArgument for a file above 4 GiB (GLB's lengths have 32 bits), for a mesh without
 /// vertices or triangles (glTF has no empty accessor) and for coordinates that no float reaches.

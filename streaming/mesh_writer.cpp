@@ -18,7 +18,7 @@ namespace {
 
 struct Format {
     std::string_view extension;
-    std::unique_ptr<MeshSink> (*create)(const std::filesystem::path&, bool);
+    std::unique_ptr<streaming::FileSink> (*create)(const std::filesystem::path&, bool);
     void (*require_fits)(const std::filesystem::path&, const SinkHeader&);
 };
 
@@ -53,6 +53,13 @@ const Format& format_of(const std::filesystem::path& path) {
 
 std::unique_ptr<MeshSink> create_mesh_file(const std::filesystem::path& path, bool overwrite) {
     return format_of(path).create(path, overwrite);
+}
+
+std::unique_ptr<MeshSink> streaming::create_mesh_file(const std::filesystem::path& path,
+                                                      bool overwrite, ooc::OutputGroup& group) {
+    std::unique_ptr<FileSink> sink = format_of(path).create(path, overwrite);
+    sink->publish_with(group);
+    return sink;
 }
 
 void streaming::require_format_fits(const std::filesystem::path& path, const SinkHeader& header) {

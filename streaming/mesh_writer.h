@@ -3,10 +3,19 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 
 #include "hewer/mesh_sink.h"
 
+namespace hewer::ooc {
+class OutputGroup;
+}  // namespace hewer::ooc
+
 namespace hewer::streaming {
+
+/// As hewer::create_mesh_file(), but the file gets its name from group.publish(), not in finish().
+std::unique_ptr<MeshSink> create_mesh_file(const std::filesystem::path& path, bool overwrite,
+                                           ooc::OutputGroup& group);
 
 /// Throws InvalidArgument if the format of `path` cannot hold as many vertices and triangles with
 /// such attributes; what it says names one that can. The same check as in begin(), for those who

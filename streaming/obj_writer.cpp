@@ -110,7 +110,7 @@ class ObjWriter final : public FileSink {
 
 }  // namespace
 
-std::unique_ptr<MeshSink> create_obj(const std::filesystem::path& path, bool overwrite) {
+std::unique_ptr<FileSink> create_obj(const std::filesystem::path& path, bool overwrite) {
     return std::make_unique<ObjWriter>(path, overwrite);
 }
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "hewer/mesh_sink.h"
+#include "streaming/file_sink.h"
 
 namespace hewer::streaming {
 
@@ -14,6 +14,6 @@ namespace hewer::streaming {
 /// Blender read (five digits, which tell all 65536 steps apart; alpha has no place in it); `vn` and
 /// `f a//a` with normals. Streams: memory kFileSinkBytes. No limit on counts.
 /// Throws IoError as OutputFile does.
-std::unique_ptr<MeshSink> create_obj(const std::filesystem::path& path, bool overwrite);
+std::unique_ptr<FileSink> create_obj(const std::filesystem::path& path, bool overwrite);
 
 }  // namespace hewer::streaming

@@ -91,7 +91,7 @@ void require_ply_fits(const std::filesystem::path& path, const SinkHeader& heade
                           ooc::format_count(kMostVertices) + "; write .obj instead");
 }
 
-std::unique_ptr<MeshSink> create_ply(const std::filesystem::path& path, bool overwrite) {
+std::unique_ptr<FileSink> create_ply(const std::filesystem::path& path, bool overwrite) {
     return std::make_unique<PlyWriter>(path, overwrite);
 }
 

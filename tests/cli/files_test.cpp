@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: MIT
-/// What happens to files: bad inputs, outputs that exist, full disks, interrupts.
+/// What happens to files: bad inputs, outputs that exist.
 #include <gtest/gtest.h>
-#include <sys/mount.h>
-#include <unistd.h>
 
-#include <chrono>
-#include <csignal>
-#include <cstring>
 #include <string>
-#include <thread>
 #include <vector>
 
-#include "tests/cli/run_program.h"
+#include "tests/support/run_program.h"
 
 namespace hewer::test {
 namespace {
@@ -93,45 +87,6 @@ TEST(CliOutput, one_of_the_levels_that_exists_is_kept_without_force) {
     EXPECT_EQ(read_file(dir.file("out_lod1.ply")), "precious");
     EXPECT_EQ(dir.list(), (Names{"in.ply", "out_lod1.ply"}));
 }
-
-TEST(CliOutput, on_a_full_disk_is_an_io_error_and_leaves_no_file) {
-    const ScratchDir dir;
-    if (::geteuid() != 0 ||
-        ::mount("tmpfs", dir.path().c_str(), "tmpfs", 0, "size=1m,mode=0700") != 0) {
-        GTEST_SKIP() << "needs root and the right to mount a small tmpfs";
-    }
-    const Outcome outcome = run_program({"generate", dir.file("big.ply"), "--triangles", "1M"});
-    const Names left = dir.list();
-    ::umount(dir.path().c_str());
-    expect_error(outcome, 4, "big.ply");
-    EXPECT_NE(outcome.err.find("free some space"), std::string::npos) << outcome.err;
-    EXPECT_EQ(left, Names{});
-}
-
-class CliSignal : public testing::TestWithParam<std::pair<int, int>> {};
-
-TEST_P(CliSignal, ends_the_run_and_leaves_no_file) {
-    const auto [signal, code] = GetParam();
-    const ScratchDir dir;
-    RunningProgram program({"generate", dir.file("big.ply"), "--triangles", "200M"});
-    // The temporary file shows that the run is under way.
-    for (int i = 0; i < 10'000 && dir.list().empty(); ++i) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    program.send(signal);
-    const Outcome outcome = program.wait();
-    EXPECT_EQ(outcome.code, code) << outcome.err;
-    EXPECT_NE(outcome.err.find("interrupted"), std::string::npos) << outcome.err;
-    EXPECT_EQ(dir.list(), Names{});
-}
-
-INSTANTIATE_TEST_SUITE_P(Cli, CliSignal,
-                         testing::Values(std::pair{SIGINT, 130}, std::pair{SIGTERM, 143},
-                                         std::pair{SIGHUP, 143}),
-                         [](const testing::TestParamInfo<std::pair<int, int>>& test) {
-                             return std::string(::sigabbrev_np(test.param.first));
-                         });
 
 }  // namespace
 }  // namespace hewer::test

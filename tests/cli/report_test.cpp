@@ -7,7 +7,7 @@
 #include <sstream>
 #include <string>
 
-#include "tests/cli/run_program.h"
+#include "tests/support/run_program.h"
 
 namespace hewer::test {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/cli/run_program.h"
+#include "tests/support/run_program.h"
 
 namespace hewer::test {
 namespace {

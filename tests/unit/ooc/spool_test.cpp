@@ -165,6 +165,15 @@ TEST(Spool, DamageIsAnErrorAndNeverAWrongRecord) {
     }
 }
 
+TEST(Spool, PagesThatAreCutOffAreAnError) {
+    Context context(tight(1 << 20, 64 << 10));
+    Spool<Odd> spool(context, "odd records");
+    fill(spool, 200'000, 6);
+    ASSERT_EQ(::ftruncate(spool.spill_descriptor(), 100'000), 0);
+    std::vector<Odd> out(200'000);
+    EXPECT_THROW(spool.read(0, out), IoError);
+}
+
 TEST(SpillSpace, StaysWithinItsLimitAndSaysSo) {
     ResourceLimits limits = tight(1 << 20, 64 << 10);
     limits.max_temp_bytes = 2 << 20;

@@ -36,20 +36,27 @@ struct Outcome {
 /// The program in the background, its output kept in files of its own.
 class RunningProgram {
   public:
-    explicit RunningProgram(const std::vector<std::string>& args);
+    /// With `wrapper`, that command is run instead, the program and its arguments behind its own.
+    explicit RunningProgram(const std::vector<std::string>& args,
+                            const std::vector<std::string>& wrapper = {});
     RunningProgram(const RunningProgram&) = delete;
     RunningProgram& operator=(const RunningProgram&) = delete;
     ~RunningProgram();
 
     void send(int signal) const;
+    /// What it has written to standard error so far.
+    [[nodiscard]] std::string err() const;
+    [[nodiscard]] bool is_over();
     Outcome wait();
 
   private:
     ScratchDir scratch_;
     pid_t pid_ = -1;
+    int status_ = 0;
 };
 
-Outcome run_program(const std::vector<std::string>& args);
+Outcome run_program(const std::vector<std::string>& args,
+                    const std::vector<std::string>& wrapper = {});
 
 std::string read_file(const std::filesystem::path& path);
 void write_file(const std::filesystem::path& path, const std::string& content);

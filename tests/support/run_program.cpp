@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tests/cli/run_program.h"
+#include "tests/support/run_program.h"
 
 #include <fcntl.h>
 #include <spawn.h>
@@ -36,8 +36,10 @@ std::vector<std::string> ScratchDir::list() const {
     return names;
 }
 
-RunningProgram::RunningProgram(const std::vector<std::string>& args) {
-    std::vector<std::string> words{HEWER_PROGRAM};
+RunningProgram::RunningProgram(const std::vector<std::string>& args,
+                               const std::vector<std::string>& wrapper) {
+    std::vector<std::string> words = wrapper;
+    words.emplace_back(HEWER_PROGRAM);
     words.insert(words.end(), args.begin(), args.end());
     std::vector<char*> argv;
     argv.reserve(words.size() + 1);
@@ -52,9 +54,9 @@ RunningProgram::RunningProgram(const std::vector<std::string>& args) {
     ::posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(), kCreate, 0600);
     ::posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err.c_str(), kCreate, 0600);
-    const int error = ::posix_spawn(&pid_, HEWER_PROGRAM, &actions, nullptr, argv.data(), environ);
+    const int error = ::posix_spawnp(&pid_, argv[0], &actions, nullptr, argv.data(), environ);
     ::posix_spawn_file_actions_destroy(&actions);
-    if (error != 0) throw std::runtime_error("cannot start " HEWER_PROGRAM);
+    if (error != 0) throw std::runtime_error("cannot start " + words.front());
 }
 
 RunningProgram::~RunningProgram() {
@@ -67,19 +69,27 @@ void RunningProgram::send(int signal) const {
     ::kill(pid_, signal);
 }
 
+std::string RunningProgram::err() const {
+    return read_file(scratch_.file("err"));
+}
+
+bool RunningProgram::is_over() {
+    if (pid_ >= 0 && ::waitpid(pid_, &status_, WNOHANG) == pid_) pid_ = -1;
+    return pid_ < 0;
+}
+
 Outcome RunningProgram::wait() {
-    int status = 0;
-    ::waitpid(pid_, &status, 0);
+    if (pid_ >= 0) ::waitpid(pid_, &status_, 0);
     pid_ = -1;
     Outcome outcome;
-    outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
+    outcome.code = WIFEXITED(status_) ? WEXITSTATUS(status_) : 1000 + WTERMSIG(status_);
     outcome.out = read_file(scratch_.file("out"));
-    outcome.err = read_file(scratch_.file("err"));
+    outcome.err = err();
     return outcome;
 }
 
-Outcome run_program(const std::vector<std::string>& args) {
-    return RunningProgram(args).wait();
+Outcome run_program(const std::vector<std::string>& args, const std::vector<std::string>& wrapper) {
+    return RunningProgram(args, wrapper).wait();
 }
 
 std::string read_file(const std::filesystem::path& path) {
