@@ -13,7 +13,7 @@ TIMED_TRIANGLES = 3_000_000
 
 @dataclass
 class Bar:
-    """The most that a ratio may be: on each case, and in the geometric mean."""
+    """The most that a ratio may be: on each case (infinite: no bar), and in the geometric mean."""
 
     title: str
     each: float
@@ -31,6 +31,8 @@ def make_bars():
         "backward": Bar("backward RMS / best peer", 1.00, 0.92),
         "maximum": Bar("maximum / peer of least RMS", 1.20, 0.80),
         "time": Bar("seconds / peer of least RMS, 3 M triangles and above", 1 / 15, 1 / 15),
+        "image": Bar("image RMS / best peer", math.inf, 1.00),
+        "error": Bar("triangles for a maximum error / best peer", math.inf, 0.80),
     }
 
 
@@ -99,6 +101,11 @@ def compare(case, bars):
     bars["maximum"].ratios[case.key] = ratio(larger(ours, "maximum"), larger(theirs, "maximum"))
     if case.mesh.n_triangles >= TIMED_TRIANGLES:
         bars["time"].ratios[case.key] = ours["seconds"] / theirs["seconds"]
+    ratios = {peer: ratio(ours["image_rms"], theirs["image_rms"])
+              for peer, (ours, theirs) in pairs.items() if "image_rms" in theirs}
+    if ratios:
+        best["image"] = max(ratios, key=ratios.get)
+        bars["image"].ratios[case.key] = ratios[best["image"]]
     return best
 
 

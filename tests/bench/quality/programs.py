@@ -37,8 +37,9 @@ MESHLAB_SCRIPT = """<!DOCTYPE FilterScript>
 """
 
 
-def hewer_command(source, result, target):
-    return [cache.HEWER, "simplify", source, "-o", result, "--triangles", target, "--report",
+def hewer_command(source, result, *target):
+    """`target` is an option and its value."""
+    return [cache.HEWER, "simplify", source, "-o", result, *target, "--report",
             result.with_suffix(".report.json"), "--progress", "none", "--force"]
 
 
@@ -166,7 +167,9 @@ def run_hewer(mesh, folder, target, program, is_fresh):
     record = cache.load(kept)
     if is_fresh or not record or record.get("program") != program:
         result = folder / f"{stem}.ply"
-        record = simplify(hewer_command, mesh, target, result, DEFAULT_CAP_SECONDS)
+        record = simplify(
+            lambda source, to, count: hewer_command(source, to, "--triangles", count),
+            mesh, target, result, DEFAULT_CAP_SECONDS)
         record["program"] = program
         cache.save(kept, record)
     return record

@@ -35,13 +35,12 @@ def case_rows(case, best):
         beside = case.hewer_for(peer)
         if beside is not None and beside is not case.own():
             shown.append((f"hewer, as many as {PEERS[peer][0]}", beside, ""))
-        marks = [way for way in ("forward", "backward", "rms") if best.get(way) == peer]
-        shown.append((PEERS[peer][0], record, ", ".join("RMS" if m == "rms" else m
-                                                        for m in marks)))
+        marks = [way for way in ("forward", "backward", "rms", "image") if best.get(way) == peer]
+        shown.append((PEERS[peer][0], record, ", ".join(marks)))
     for name, record, marks in shown:
         if record["status"] != "ok":
             rows.append(row(case.mesh.name, case.percent, name, record["status"],
-                            *[""] * 9))
+                            *[""] * 10))
             continue
         distances, topology = record["distances"], record["topology"]
         diagonal = distances["diagonal"]
@@ -54,7 +53,7 @@ def case_rows(case, best):
             f"{record['seconds']:.2f}", f"{record['cpu_seconds']:.2f}",
             f"{topology['border_edges']} / {topology['nonmanifold_edges']}",
             topology["components"], "-" if math.isnan(border) else percent(border, diagonal),
-            marks))
+            f"{record['image_rms']:.3f}" if "image_rms" in record else "-", marks))
     return rows
 
 
@@ -62,41 +61,68 @@ def summary(bars):
     lines = head("ratio", "geometric mean", "bar", "worst", "bar", "cases above the bar")
     for bar in bars.values():
         if not bar.ratios:
-            lines.append(row(bar.title, "-", f"<= {bar.mean:.3g}", "-", f"<= {bar.each:.3g}", "-"))
             continue
         worst = max(bar.ratios, key=bar.ratios.get)
-        above = sum(value > bar.each for value in bar.ratios.values())
+        place = f" ({worst[0]}, {worst[1]} %)"
         lines.append(row(bar.title, verdict(bar.geometric_mean(), bar.mean),
-                         f"<= {bar.mean:.3g}",
-                         verdict(bar.ratios[worst], bar.each) + f" ({worst[0]}, {worst[1]} %)",
-                         f"<= {bar.each:.3g}", f"{above} of {len(bar.ratios)}"))
+                         f"<= {bar.mean:.3g}", *(
+            (f"{bar.ratios[worst]:.3f}{place}", "-", "-") if math.isinf(bar.each) else
+            (verdict(bar.ratios[worst], bar.each) + place, f"<= {bar.each:.3g}",
+             f"{sum(r > bar.each for r in bar.ratios.values())} of {len(bar.ratios)}"))))
     return lines
 
 
 def ratio_rows(cases, bars, best):
     lines = head("mesh", "%", "triangles", "forward RMS", "best peer", "backward RMS", "best peer",
-                 "maximum", "time", "peer of least RMS", "closed stays closed", "border")
+                 "maximum", "time", "image RMS", "peer of least RMS", "closed stays closed",
+                 "border")
     for case in cases:
         own = case.own()
         if own["status"] != "ok":
             lines.append(row(case.mesh.name, case.percent, case.target,
-                             f"**hewer {own['status']} FAIL**", *[""] * 8))
+                             f"**hewer {own['status']} FAIL**", *[""] * 9))
             continue
         names = {way: PEERS[peer][0] for way, peer in best[case.key].items()}
         cells = {key: verdict(bar.ratios.get(case.key, math.nan), bar.each)
-                 for key, bar in bars.items()}
+                 for key, bar in bars.items() if math.isfinite(bar.each)}
+        image = bars["image"].ratios.get(case.key)
         states = []
         for faults in (topology_faults(case), border_faults(case)):
             states.append("-" if faults is None else
                           f"**{', '.join(faults)} FAIL**" if faults else "PASS")
         lines.append(row(case.mesh.name, case.percent, own["triangles"], cells["forward"],
                          names.get("forward", "-"), cells["backward"], names.get("backward", "-"),
-                         cells["maximum"], cells["time"], names.get("rms", "-"), *states))
+                         cells["maximum"], cells["time"], f"{image:.3f}" if image else "-",
+                         names.get("rms", "-"), *states))
     return lines
 
 
-def count_failures(cases, bars):
-    failures = sum(case.own()["status"] != "ok" for case in cases)
+def error_rows(error_cases, bars):
+    """Enters the ratios of the counts, too."""
+    lines = head("mesh", "E, % of the diagonal", "hewer, triangles", "its maximum / E",
+                 "best peer, triangles", "ratio", "seconds of hewer")
+    for case in error_cases:
+        if case.hewer["status"] != "ok":
+            lines.append(row(case.mesh.name, case.percent,
+                             f"**hewer {case.hewer['status']} FAIL**", *[""] * 4))
+            continue
+        held = verdict(larger(case.hewer, "maximum") / case.limit, 1)
+        peer = case.best_peer()
+        count = "-"
+        ratio = math.nan
+        if peer:
+            count = f"{PEERS[peer][0]}, {case.peers[peer]['triangles']}"
+            ratio = case.hewer["triangles"] / case.peers[peer]["triangles"]
+            bars["error"].ratios[case.mesh.name, case.percent] = ratio
+        lines.append(row(case.mesh.name, case.percent, case.hewer["triangles"], held, count,
+                         "-" if math.isnan(ratio) else f"{ratio:.3f}",
+                         f"{case.hewer['seconds']:.2f}"))
+    return lines
+
+
+def count_failures(cases, error_cases, bars):
+    failures = sum(case.hewer["status"] != "ok" or not case.holds() for case in error_cases)
+    failures += sum(case.own()["status"] != "ok" for case in cases)
     for bar in bars.values():
         failures += sum(value > bar.each for value in bar.ratios.values())
         failures += bool(bar.ratios) and bar.geometric_mean() > bar.mean
@@ -111,25 +137,30 @@ def machine():
     return f"{model.group(1) if model else 'unknown processor'}, {os.cpu_count()} processors"
 
 
-def tabulate(cases):
-    """All tables as a text, and the number of bars missed."""
+def tabulate(cases, error_cases):
+    """Bars and ratios as a text, all figures as another, and the number of bars missed."""
     bars = make_bars()
     best = {case.key: compare(case, bars) if case.own()["status"] == "ok" else {}
             for case in cases}
+    by_error = error_rows(error_cases, bars)
     lines = [f"Measured by `scripts/bench-quality` on {machine()}.", "", "### Bars", ""]
     lines += summary(bars)
     lines += ["", "### Ratios, hewer / best peer", "",
               "Below 1, hewer is closer to the original. The best peer of a column is the one that",
               "gives the largest ratio.", ""]
     lines += ratio_rows(cases, bars, best)
-    lines += ["", "### All figures", "",
-              "Distances in % of the diagonal of the bounding box.", ""]
-    lines += head("mesh", "%", "program", "triangles", "forward RMS", "backward RMS", "maximum",
-                  "seconds", "processor seconds", "border / non-manifold edges", "components",
-                  "border RMS", "best peer for")
+    if error_cases:
+        lines += ["", "### Triangles for a maximum error", "",
+                  "`hewer simplify --error E` beside the least count at which a peer's measured",
+                  "maximum is at most E. Bar for the maximum: at most E.", "", *by_error]
+    figures = ["", "### All figures", "",
+               "Distances in % of the diagonal of the bounding box.", ""]
+    figures += head("mesh", "%", "program", "triangles", "forward RMS", "backward RMS", "maximum",
+                    "seconds", "processor seconds", "border / non-manifold edges", "components",
+                    "border RMS", "image RMS", "best peer for")
     for case in cases:
-        lines += case_rows(case, best[case.key])
-    return "\n".join(lines) + "\n", count_failures(cases, bars)
+        figures += case_rows(case, best[case.key])
+    return "\n".join(lines) + "\n", "\n".join(figures) + "\n", count_failures(cases, error_cases, bars)
 
 
 def insert(document, begin, end, text):
