@@ -97,6 +97,21 @@ def ratio_rows(cases, bars, best):
     return lines
 
 
+def left_out(cases):
+    """Peers that no ratio speaks of, and why."""
+    lines = []
+    for case in cases:
+        for peer, record in case.peers.items():
+            if record["status"] != "ok":
+                why = record["status"]
+            elif case.hewer_for(peer) is None:
+                why = f"ended at {record['triangles']} triangles instead of {case.target}"
+            else:
+                continue
+            lines.append(f"- {case.mesh.name}, {case.percent} %: {PEERS[peer][0]} {why}")
+    return ["", "Not compared:", "", *lines] if lines else []
+
+
 def error_rows(error_cases, bars):
     """Enters the ratios of the counts, too."""
     lines = head("mesh", "E, % of the diagonal", "hewer, triangles", "its maximum / E",
@@ -149,6 +164,7 @@ def tabulate(cases, error_cases):
               "Below 1, hewer is closer to the original. The best peer of a column is the one that",
               "gives the largest ratio.", ""]
     lines += ratio_rows(cases, bars, best)
+    lines += left_out(cases)
     if error_cases:
         lines += ["", "### Triangles for a maximum error", "",
                   "`hewer simplify --error E` beside the least count at which a peer's measured",
