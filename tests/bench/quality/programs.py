@@ -106,15 +106,16 @@ def run_capped(command, log, cap_seconds):
                                  stderr=subprocess.STDOUT, preexec_fn=limit,
                                  env=dict(os.environ, LC_ALL="C"))
         # wait4 tells the peak of this child alone; it has no time limit of its own.
-        while True:
-            pid, status, usage = os.wait4(child.pid, os.WNOHANG)
-            if pid:
-                break
-            if time.monotonic() - start > WALL_CAPS * cap_seconds:
-                child.kill()
-                _, status, _ = os.wait4(child.pid, 0)
-                break
-            time.sleep(0.002)
+        try:
+            pid = 0
+            while not pid:
+                if time.monotonic() - start > WALL_CAPS * cap_seconds:
+                    child.kill()
+                time.sleep(0.002)
+                pid, status, usage = os.wait4(child.pid, os.WNOHANG)
+        except BaseException:  # interrupted: nobody else would end it
+            child.kill()
+            raise
     child.returncode = os.waitstatus_to_exitcode(status)
     if child.returncode in (-signal.SIGXCPU, -signal.SIGKILL):
         return {"status": f"did not finish in {cap_seconds:g} s"}
