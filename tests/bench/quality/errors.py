@@ -66,12 +66,12 @@ def search(mesh, name, percent, result):
     return best
 
 
-def run_error_case(mesh, percent, peers, program, is_cached, is_fresh):
+def run_error_case(mesh, percent, peers, program, is_cached, is_fresh, is_rerun):
     folder = mesh.folder / f"error-{percent}"
     folder.mkdir(exist_ok=True)
     kept = folder / "hewer.json"
     hewer = cache.load(kept)
-    if is_fresh or not hewer or hewer.get("program") != program:
+    if is_rerun or not hewer or hewer.get("program") != program:
         result = folder / "hewer.ply"
         hewer = run_capped(hewer_command(mesh.path, result, "--error", percent + "%"),
                            result.with_suffix(".log"), DEFAULT_CAP_SECONDS)

@@ -167,12 +167,12 @@ def rejudge_peer(name, mesh, folder):
         cache.save(kept, record)
 
 
-def run_hewer(mesh, folder, target, program, is_fresh):
+def run_hewer(mesh, folder, target, program, is_rerun):
     """`program` is the fingerprint of hewer's executable."""
     stem = "hewer" if target == folder_target(mesh, folder) else f"hewer-{target}"
     kept = folder / f"{stem}.json"
     record = cache.load(kept)
-    if is_fresh or not record or record.get("program") != program:
+    if is_rerun or not record or record.get("program") != program:
         result = folder / f"{stem}.ply"
         record = simplify(
             lambda source, to, count: hewer_command(source, to, "--triangles", count),
