@@ -8,8 +8,8 @@ from pathlib import Path
 from . import cache
 from .judge import judge_topology
 
-# In order of size: the first results come soon. graz_plato_uv is not among them: without its texture
-# it is graz_plato_vcol to the last bit.
+# In order of size: the first results come soon. graz_plato_uv is not among them: without its
+# texture it is graz_plato_vcol to the last bit.
 REAL = {
     "stanford_bunny": "stanford_bunny.ply",
     "laurana_rangemap_315": "laurana_rangemap_315.ply",

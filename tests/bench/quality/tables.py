@@ -28,7 +28,7 @@ def percent(value, diagonal):
 
 
 def case_rows(case, best):
-    """hewer first, then the peers; where a peer stopped elsewhere, hewer at that count beside it."""
+    """hewer first, then the peers; where one stopped elsewhere, hewer at that count beside it."""
     rows = []
     shown = [("hewer", case.own(), "")]
     for peer, record in case.peers.items():
@@ -176,7 +176,8 @@ def tabulate(cases, error_cases):
                     "border RMS", "image RMS", "best peer for")
     for case in cases:
         figures += case_rows(case, best[case.key])
-    return "\n".join(lines) + "\n", "\n".join(figures) + "\n", count_failures(cases, error_cases, bars)
+    n_failed = count_failures(cases, error_cases, bars)
+    return "\n".join(lines) + "\n", "\n".join(figures) + "\n", n_failed
 
 
 def insert(document, begin, end, text):
