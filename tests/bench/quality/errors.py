@@ -67,8 +67,11 @@ def search(mesh, name, percent, result):
 
 
 def run_error_case(mesh, percent, peers, program, is_cached, is_fresh, is_rerun):
+    """None if `is_cached` asks for kept figures of peers and there are none."""
     folder = mesh.folder / f"error-{percent}"
     folder.mkdir(exist_ok=True)
+    if is_cached and not any((folder / f"{name}.json").exists() for name in peers):
+        return None
     kept = folder / "hewer.json"
     hewer = cache.load(kept)
     if is_rerun or not hewer or hewer.get("program") != program:
