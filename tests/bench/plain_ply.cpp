@@ -54,6 +54,7 @@ struct Header {
     std::array<std::size_t, 3> xyz_offset{};  ///< in bytes
     std::array<std::size_t, 3> xyz_column{};  ///< in properties
     std::size_t n_coordinates = 0;
+    bool is_double = false;  ///< of the coordinates
 };
 
 void parse_vertex_property(const std::string& path, std::istringstream& line, Header& header) {
@@ -62,7 +63,10 @@ void parse_vertex_property(const std::string& path, std::istringstream& line, He
     line >> type >> name;
     const std::size_t bytes = bytes_of_type(path, type);
     if (name.size() == 1 && name[0] >= 'x' && name[0] <= 'z') {
-        if (type != "float" && type != "float32") fail(path, "coordinates are not float");
+        header.is_double = type == "double" || type == "float64";
+        if (!header.is_double && type != "float" && type != "float32") {
+            fail(path, "coordinates are not float or double");
+        }
         const auto axis = static_cast<std::size_t>(name[0] - 'x');
         header.xyz_offset[axis] = header.vertex_bytes;
         header.xyz_column[axis] = header.vertex_properties;
@@ -103,7 +107,7 @@ Header read_header(const std::string& path, std::FILE* file) {
         } else if (word == "property" && element == "face") {
             check_face_property(path, line);
         } else if (word == "end_header") {
-            if (header.n_coordinates != 3) fail(path, "has no float x, y, z");
+            if (header.n_coordinates != 3) fail(path, "has no x, y, z");
             if (header.n_faces == 0) fail(path, "has no faces");
             return header;
         }
@@ -128,8 +132,9 @@ void fan(std::span<const std::uint32_t> polygon, std::vector<std::uint32_t>& ind
 void read_binary_vertices(const std::string& path, std::FILE* file, const Header& header,
                           std::vector<float>& positions) {
     positions.resize(3 * header.n_vertices);
-    const bool is_packed = header.vertex_bytes == 12 && header.xyz_offset[0] == 0 &&
-                           header.xyz_offset[1] == 4 && header.xyz_offset[2] == 8;
+    const bool is_packed = !header.is_double && header.vertex_bytes == 12 &&
+                           header.xyz_offset[0] == 0 && header.xyz_offset[1] == 4 &&
+                           header.xyz_offset[2] == 8;
     if (is_packed) {
         if (std::fread(positions.data(), 12, header.n_vertices, file) != header.n_vertices) {
             fail(path, "is truncated");
@@ -142,7 +147,14 @@ void read_binary_vertices(const std::string& path, std::FILE* file, const Header
     for (std::size_t v = 0; v < header.n_vertices; ++v) {
         const char* record = block.get() + v * header.vertex_bytes;
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            std::memcpy(&positions[3 * v + axis], record + header.xyz_offset[axis], sizeof(float));
+            const char* value = record + header.xyz_offset[axis];
+            if (header.is_double) {
+                double wide = 0;
+                std::memcpy(&wide, value, sizeof wide);
+                positions[3 * v + axis] = static_cast<float>(wide);
+            } else {
+                std::memcpy(&positions[3 * v + axis], value, sizeof(float));
+            }
         }
     }
 }

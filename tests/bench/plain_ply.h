@@ -15,10 +15,10 @@ struct PlainMesh {
     std::vector<std::uint32_t> indices;  ///< three a triangle
 };
 
-/// Reads an ASCII or binary little-endian PLY: vertices first, with float x, y, z among scalar
-/// properties of any type; then faces with one list of uchar count and int or uint ids. Polygons
-/// are fanned. Not general: other files throw std::runtime_error.
-/// Memory: the mesh, and the bytes of one element at a time.
+/// Reads an ASCII or binary little-endian PLY: vertices first, with x, y, z of one type, float or
+/// double (rounded to float), among scalar properties of any type; then faces with one list of
+/// uchar count and int or uint ids. Polygons are fanned. Not general: other files throw
+/// std::runtime_error. Memory: the mesh, and the bytes of one element at a time.
 PlainMesh read_plain_ply(const std::string& path);
 
 /// Binary little-endian. Throws std::runtime_error.

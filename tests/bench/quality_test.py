@@ -1,0 +1,155 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Tests of scripts/bench-quality: how counts are matched and bars are judged, and its judges on
+meshes whose answers are known.
+
+usage: tests/bench/quality_test.py FOLDER_OF_THE_JUDGES
+"""
+import json
+import math
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+from types import SimpleNamespace
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+sys.dont_write_bytecode = True
+
+from quality import compare, tables  # noqa: E402
+
+TOOLS = Path(sys.argv.pop())
+
+
+def record(triangles, forward, backward, maximum=1.0, seconds=1.0):
+    return {"status": "ok", "triangles": triangles, "seconds": seconds, "cpu_seconds": seconds,
+            "distances": {"diagonal": 100.0, "forward": {"rms": forward, "maximum": maximum},
+                          "backward": {"rms": backward, "maximum": maximum / 2}},
+            "topology": {"border_edges": 0, "nonmanifold_edges": 0, "components": 1}}
+
+
+def mesh(n_triangles=10_000, is_closed=True, components=1):
+    return SimpleNamespace(name="mesh", n_triangles=n_triangles, is_closed=is_closed,
+                           topology={"components": components})
+
+
+def case(peers, hewer, **of_mesh):
+    return compare.Case(mesh(**of_mesh), "5", 1000, peers, hewer)
+
+
+class Comparison(unittest.TestCase):
+    def test_peer_at_the_target_meets_the_run_at_the_target(self):
+        self.assertEqual(compare.count_for(record(997, 1, 1), 1000), 1000)
+
+    def test_peer_that_stopped_elsewhere_meets_a_run_at_its_count(self):
+        self.assertEqual(compare.count_for(record(1200, 1, 1), 1000), 1200)
+
+    def test_peer_far_above_the_target_is_left_out(self):
+        self.assertEqual(compare.count_for(record(4000, 1, 1), 1000), 0)
+
+    def test_best_peer_is_the_one_of_the_largest_ratio_in_each_direction(self):
+        bars = compare.make_bars()
+        best = compare.compare(case({"a": record(1000, 2.0, 5.0), "b": record(1000, 4.0, 1.0)},
+                                    {1000: record(1000, 1.0, 1.0)}), bars)
+        self.assertEqual((best["forward"], best["backward"]), ("a", "b"))
+        self.assertEqual(bars["forward"].ratios["mesh", "5"], 0.5)
+        self.assertEqual(bars["backward"].ratios["mesh", "5"], 1.0)
+
+    def test_peer_at_more_triangles_is_not_compared_with_the_run_at_the_target(self):
+        bars = compare.make_bars()
+        compare.compare(case({"a": record(1500, 1.0, 1.0)},
+                             {1000: record(1000, 2.0, 2.0), 1500: record(1500, 0.5, 0.5)}), bars)
+        self.assertEqual(bars["forward"].ratios["mesh", "5"], 0.5)
+
+    def test_time_is_judged_on_large_inputs_only(self):
+        for n_triangles, is_timed in ((2_999_999, False), (3_000_000, True)):
+            bars = compare.make_bars()
+            compare.compare(case({"a": record(1000, 1, 1, seconds=30)},
+                                 {1000: record(1000, 1, 1, seconds=1)},
+                                 n_triangles=n_triangles), bars)
+            self.assertEqual(bool(bars["time"].ratios), is_timed)
+
+    def test_failed_peer_is_not_compared(self):
+        bars = compare.make_bars()
+        self.assertEqual(compare.compare(case({"a": {"status": "failed with 1", "triangles": 0}},
+                                              {1000: record(1000, 1, 1)}), bars), {})
+
+    def test_lost_component_of_a_closed_input_is_a_fault(self):
+        self.assertEqual(compare.topology_faults(case({}, {1000: record(1000, 1, 1)})), [])
+        faults = compare.topology_faults(case({}, {1000: record(1000, 1, 1)}, components=2))
+        self.assertEqual(faults, ["1 of 2 components"])
+
+    def test_mean_above_its_bar_fails_though_each_case_passes(self):
+        bars = {"forward": compare.Bar("forward", 0.90, 0.80, {("a", "5"): 0.85})}
+        self.assertEqual(tables.count_failures([], [], bars), 1)
+        self.assertIn("0.850 FAIL", "\n".join(tables.summary(bars)))
+
+    def test_geometric_mean(self):
+        bar = compare.Bar("", 1, 1, {1: 0.5, 2: 2.0})
+        self.assertAlmostEqual(bar.geometric_mean(), 1.0)
+
+    def test_text_replaces_what_is_between_the_markers(self):
+        self.assertEqual(tables.insert("a<b>old<e>z", "<b>", "<e>", "new"), "a<b>\n\nnew\n<e>z")
+
+
+def grid(path, side, has_hole=False, height=0.0):
+    """A square of 2 side^2 triangles, its middle one cut out or not, as ASCII PLY."""
+    points = [f"{x / side} {y / side} {height}" for y in range(side + 1) for x in range(side + 1)]
+    faces = []
+    for y in range(side):
+        for x in range(side):
+            if has_hole and x == y == side // 2:
+                continue
+            a, b = y * (side + 1) + x, (y + 1) * (side + 1) + x
+            faces += [f"3 {a} {a + 1} {b + 1}", f"3 {a} {b + 1} {b}"]
+    path.write_text("ply\nformat ascii 1.0\n"
+                    f"element vertex {len(points)}\nproperty float x\nproperty float y\n"
+                    f"property float z\nelement face {len(faces)}\n"
+                    "property list uchar int vertex_indices\nend_header\n" +
+                    "\n".join(points + faces) + "\n")
+    return path
+
+
+class Judges(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def judge(self, program, *paths):
+        return json.loads(subprocess.run([TOOLS / program, *paths], check=True,
+                                         stdout=subprocess.PIPE).stdout)
+
+    def test_border_of_a_coarser_square_lies_on_that_of_the_fine_one(self):
+        found = self.judge("border_check", grid(self.folder / "fine.ply", 16),
+                           grid(self.folder / "coarse.ply", 4))
+        self.assertEqual((found["original"]["loops"], found["simplified"]["loops"]), (1, 1))
+        self.assertAlmostEqual(found["original"]["length"], 4.0, places=5)
+        self.assertLess(found["forward"]["maximum"], 1e-6)
+
+    def test_border_that_moved_is_measured(self):
+        found = self.judge("border_check", grid(self.folder / "a.ply", 8),
+                           grid(self.folder / "b.ply", 8, height=0.25))
+        for way in ("forward", "backward"):
+            self.assertAlmostEqual(found[way]["rms"], 0.25, places=6)
+            self.assertAlmostEqual(found[way]["maximum"], 0.25, places=6)
+
+    def test_new_hole_is_a_loop_more_and_far_from_the_old_border(self):
+        found = self.judge("border_check", grid(self.folder / "a.ply", 9),
+                           grid(self.folder / "b.ply", 9, has_hole=True))
+        self.assertEqual((found["original"]["loops"], found["simplified"]["loops"]), (1, 2))
+        self.assertLess(found["forward"]["maximum"], 1e-6)
+        self.assertAlmostEqual(found["backward"]["maximum"], 4 / 9, places=5)
+
+    def test_pictures_of_the_same_surface_are_equal_and_of_another_are_not(self):
+        fine = grid(self.folder / "fine.ply", 16)
+        same, other = self.judge("image_rms", fine, grid(self.folder / "coarse.ply", 4),
+                                 grid(self.folder / "hole.ply", 3, has_hole=True))
+        self.assertLess(same, 0.5)
+        self.assertGreater(other, 2)
+        self.assertFalse(math.isnan(other))
+
+
+if __name__ == "__main__":
+    unittest.main()
