@@ -45,7 +45,7 @@ class TriangleIndex {
 
     /// The triangle nearest to `q` (in steps, each coordinate within +-kLatticeRadius). `guess` is
     /// any triangle; the nearer it is to `q`, the shorter the search. Of several at the same
-    /// distance any may be named, the same one for the same guess. Thread-safe.
+    /// distance the first is named: the result does not depend on the guess. Thread-safe.
     [[nodiscard]] Nearest nearest(const Vec3& q, std::uint64_t guess) const;
 
     /// Bytes for `n` triangles, the triangles included.

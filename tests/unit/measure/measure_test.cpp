@@ -78,7 +78,20 @@ void expect_equal(const DistanceReport& a, const DistanceReport& b) {
     EXPECT_EQ(a.vertex_rms, b.vertex_rms);
     EXPECT_EQ(a.n_vertices, b.n_vertices);
     EXPECT_EQ(a.n_samples, b.n_samples);
-    EXPECT_EQ(a.worst, b.worst);
+    ASSERT_EQ(a.worst.size(), b.worst.size());
+    for (std::size_t i = 0; i < a.worst.size(); ++i) {
+        EXPECT_EQ(a.worst[i].point, b.worst[i].point);
+        EXPECT_EQ(a.worst[i].distance, b.worst[i].distance);
+    }
+    ASSERT_EQ(a.quantiles.size(), b.quantiles.size());
+    for (std::size_t i = 0; i < a.quantiles.size(); ++i) {
+        EXPECT_EQ(a.quantiles[i].distance, b.quantiles[i].distance);
+    }
+    ASSERT_EQ(a.histogram.size(), b.histogram.size());
+    for (std::size_t i = 0; i < a.histogram.size(); ++i) {
+        EXPECT_EQ(a.histogram[i].to, b.histogram[i].to);
+        EXPECT_EQ(a.histogram[i].n, b.histogram[i].n);
+    }
 }
 
 TEST(Lattice, KeepsFloatsExactlyWhateverTheOffset) {
@@ -106,7 +119,7 @@ TEST(Measure, SurfaceIsAtNoDistanceFromItself) {
     EXPECT_EQ(report.forward.vertex_maximum, 0);
     EXPECT_LT(report.forward.maximum, 1e-13);
     EXPECT_LT(report.backward.rms, 1e-13);
-    EXPECT_EQ(report.forward.n_samples, 20'000U);
+    EXPECT_NEAR(static_cast<double>(report.forward.n_samples), 20'000, 600);
     EXPECT_EQ(report.original_triangles, mesh.triangles.size());
 }
 
@@ -154,9 +167,9 @@ TEST(Measure, SpikeIsSeenFromItsOwnSideOnly) {
     spiked.positions[5 * 11 + 5][2] = 4;
     const MeasureReport report = measure_meshes(spiked, plane(10, 10, 0));
     EXPECT_NEAR(report.forward.maximum, 4, 1e-8);
-    EXPECT_NEAR(report.forward.worst[0], 5, 1e-8);
-    EXPECT_NEAR(report.forward.worst[1], 5, 1e-8);
-    EXPECT_NEAR(report.forward.worst[2], 4, 1e-8);
+    EXPECT_NEAR(report.forward.worst[0].point[0], 5, 1e-8);
+    EXPECT_NEAR(report.forward.worst[0].point[1], 5, 1e-8);
+    EXPECT_NEAR(report.forward.worst[0].point[2], 4, 1e-8);
     EXPECT_LT(report.backward.maximum, 1.0);
     EXPECT_GT(report.backward.maximum, 0.5);
 }
@@ -178,11 +191,12 @@ TEST(Measure, OffsetOfBothSurfacesChangesNothing) {
     const Vec3 utm{5e6, 4.5e5, 1200};
     const MeasureReport here = measure_meshes(a, b);
     const MeasureReport there = measure_meshes(translated(a, utm), translated(b, utm));
-    EXPECT_NEAR(here.forward.rms, there.forward.rms, 1e-6);
-    EXPECT_NEAR(here.backward.rms, there.backward.rms, 1e-6);
+    // Samples are other ones: triangles are rounded otherwise.
+    EXPECT_NEAR(here.forward.rms, there.forward.rms, 1e-4);
+    EXPECT_NEAR(here.backward.rms, there.backward.rms, 1e-4);
     EXPECT_NEAR(here.forward.maximum, there.forward.maximum, 1e-6);
     EXPECT_NEAR(here.backward.vertex_mean, there.backward.vertex_mean, 1e-6);
-    EXPECT_NEAR(there.forward.worst[0], utm[0], 51);
+    EXPECT_NEAR(there.forward.worst[0].point[0], utm[0], 51);
 }
 
 TEST(Measure, ScaleChangesNothingElse) {
@@ -325,14 +339,14 @@ TEST(Measure, ReportsProgressThatEndsAtOneAndStopsWhenAsked) {
         last = p.fraction;
     };
     measure_meshes(mesh, mesh, small_options(), hooks);
-    EXPECT_EQ(stages, (std::vector<std::string>{"scan", "load", "index", "forward", "backward"}));
+    EXPECT_EQ(stages, (std::vector<std::string>{"scan", "load", "index", "vertices", "triangles"}));
     EXPECT_DOUBLE_EQ(last, 1);
 
     std::stop_source stop;
     Hooks stopping;
     stopping.stop = stop.get_token();
     stopping.on_progress = [&](const Progress& p) {
-        if (p.stage == "forward") stop.request_stop();
+        if (p.stage == "vertices") stop.request_stop();
     };
     EXPECT_THROW(measure_meshes(mesh, mesh, small_options(), stopping), Cancelled);
 }
