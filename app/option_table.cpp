@@ -93,8 +93,18 @@ OptionSpec{"border_weight", "--border-weight", "W", T::Number, kTargets, "", "3"
 OptionSpec{"strict", "--strict", "", T::Flag, kTargets, "", "", 0, 0, "", kMethod, false,
     "Refuse an input with defects instead of counting them."},
 
-OptionSpec{"samples", "--samples", "N", T::Count, kMeasure, "points a surface", "=one a triangle, 500k to 10M", 1, kMostCount, "", kSurface, false,
+OptionSpec{"samples", "--samples", "N", T::Count, kMeasure, "points a surface, about", "=one a triangle, 500k to 10M", 1, kMostCount, "", kSurface, false,
     "Points spread over each surface by area, besides all of its vertices."},
+OptionSpec{"seed", "--seed", "N", T::Count, kMeasure, "", "1", 0, kMostCount, "", kSurface, false,
+    "Another seed gives other points."},
+OptionSpec{"map", "--map", "FILE", T::Path, kMeasure, "", "", 0, 0, ".ply", kSurface, false,
+    "Write a mesh with its vertices coloured by distance: dark blue for none, through green, to "
+    "yellow at the map's range and beyond."},
+OptionSpec{"map_of", "--map-of", "WHICH", T::Choice, kMeasure, "", "simplified", 0, 0, "simplified|original", kSurface, false,
+    "simplified: each vertex shows the farthest of its own distance and of the points of the "
+    "original that are nearest to its triangles. original: each vertex shows its own distance."},
+OptionSpec{"map_range", "--map-range", "D", T::Number, kMeasure, "model units", "=the 99.9 % quantile", kSmallest, kNoLimit, "", kSurface, false,
+    "Distance of the last colour of the map."},
 OptionSpec{"triangles", "--triangles", "N", T::Count, kGenerate, "triangles", "1M", 1, kMostCount, "", kSurface, false,
     "At most this many triangles, and nearly as many."},
 OptionSpec{"seed", "--seed", "N", T::Count, kGenerate, "", "1", 0, kMostCount, "", kSurface, false,
@@ -123,9 +133,9 @@ OptionSpec{"memory", "--memory", "SIZE", T::Bytes, kReaders, "bytes", "=the cont
     "All that the process may hold; K, M, G are powers of 1024. Does not change the result."},
 OptionSpec{"threads", "--threads", "N", T::Count, kReaders | kGenerate, "", "=all of the machine", 1, kMostThreads, "", kResources, false,
     "Threads that work at once. Does not change the result."},
-OptionSpec{"temp_dir", "--temp-dir", "DIR", T::Path, kTargets, "", "=TMPDIR, else /tmp", 0, 0, "", kResources, false,
+OptionSpec{"temp_dir", "--temp-dir", "DIR", T::Path, kTargets | kMeasure, "", "=TMPDIR, else /tmp", 0, 0, "", kResources, false,
     "Folder for temporary files, which are made when memory runs short."},
-OptionSpec{"max_temp", "--max-temp", "SIZE", T::Bytes, kTargets, "bytes", "=no limit", 1, 0x1p62, "", kResources, false,
+OptionSpec{"max_temp", "--max-temp", "SIZE", T::Bytes, kTargets | kMeasure, "bytes", "=no limit", 1, 0x1p62, "", kResources, false,
     "Most disk space that temporary files may take."},
 
 OptionSpec{"report", "--report", "FILE", T::Path, kSimplify | kMeasure, "", "", 0, 0, "", kOutput, false,

@@ -229,6 +229,8 @@ std::string to_json(const MeasureReport& r, const Arguments& arguments) {
                  {"diagonal", r.bounds.diagonal()},
                  {"original_triangles", r.original_triangles},
                  {"simplified_triangles", r.simplified_triangles},
+                 {"map_range", r.map_range},
+                 {"temp_bytes_written", r.temp_bytes_written},
                  {"seconds", r.seconds},
                  {"peak_resident_bytes", r.peak_resident_bytes}});
 }

@@ -12,8 +12,8 @@
 
 namespace hewer::cluster {
 
-/// The triangles of the source, by streaming::CornerJoin: two passes over the triangles and one over
-/// the vertices, 12 bytes a vertex for those of a range, `range_bytes` in all.
+/// The triangles of the source, by streaming::CornerJoin: two passes over the triangles and one
+/// over the vertices, 12 bytes a vertex for those of a range, `range_bytes` in all.
 ///
 /// @param spooled  the vertices, if the source cannot seek.
 PartitionFindings join_vertices(ooc::Context& context, MeshSource& source,

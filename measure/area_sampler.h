@@ -12,10 +12,10 @@
 namespace hewer::measuring {
 
 /// A triangle of area A gets A times the density samples, rounded up or down at random with that
-/// mean, at the places of a low-discrepancy sequence (R2: Roberts 2018) with a random start. So every
-/// point of the surface is equally likely. Number and places follow from the triangle's corners and
-/// the seed alone: neither its place in the file nor the number of threads, nor memory, show in
-/// them. Triangles of no area get no samples.
+/// mean, at the places of a low-discrepancy sequence (R2: Roberts 2018) with a random start. So
+/// every point of the surface is equally likely. Number and places follow from the triangle's
+/// corners and the seed alone: neither its place in the file nor the number of threads, nor memory,
+/// show in them. Triangles of no area get no samples.
 class AreaSampler {
   public:
     /// None at all.
@@ -26,9 +26,7 @@ class AreaSampler {
         : per_area2_(area > 0 ? 0.5 * static_cast<double>(n_samples) / area : 0),
           seed_(mix(seed + 0x9e3779b97f4a7c15ULL)) {}
 
-    [[nodiscard]] std::uint64_t count(const LatticeTriangle& t) const {
-        return count(t, hash(t));
-    }
+    [[nodiscard]] std::uint64_t count(const LatticeTriangle& t) const { return count(t, hash(t)); }
 
     /// visit(position in steps) for each sample of `t`.
     template <typename Visit>

@@ -35,8 +35,8 @@ double area_of(const std::array<Vec3, 3>& t) {
 
 Census take_census(ooc::Context& context, MeshSource& source, std::uint64_t window_bytes) {
     Census census;
-    census.used = Marks(context, "marks of used vertices of " + source.info().name,
-                        source.info().n_vertices);
+    census.used =
+        Marks(context, "marks of used vertices of " + source.info().name, source.info().n_vertices);
     std::vector<Part> parts;
     streaming::Dereference<ModelEncoder> triangles(context, source, {}, window_bytes);
     triangles.for_batches(

@@ -30,9 +30,8 @@ std::vector<DistanceBin> octaves_of(const DistanceHistogram& histogram, double d
         bins.push_back({edge(o), edge(o + 1), count(o)});
     }
     while (!bins.empty() && bins.back().n == 0) bins.pop_back();
-    // What is below the first distances is one bin.
     std::size_t first = 0;
-    while (first + 1 < bins.size() && bins[first + 1].n == 0 && bins[first].n == 0) ++first;
+    while (first < bins.size() && bins[first].n == 0) ++first;
     bins.erase(bins.begin(), bins.begin() + static_cast<std::ptrdiff_t>(first));
     return bins;
 }
@@ -64,8 +63,7 @@ DistanceReport Direction::report(const Lattice& lattice) const {
     report.n_vertices = vertices.n();
     report.n_samples = samples.n();
     for (const double share : kShares) {
-        report.quantiles.push_back(
-            {share, samples.histogram().quantile(share) * diagonal_ * step});
+        report.quantiles.push_back({share, samples.histogram().quantile(share) * diagonal_ * step});
     }
     report.histogram = octaves_of(samples.histogram(), diagonal_ * step);
     for (const WorstPlaces::Place& place : places_.worst(kPlaces)) {

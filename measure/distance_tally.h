@@ -34,8 +34,8 @@ class DistanceHistogram {
         const int octave = static_cast<int>(i / kHalf) - static_cast<int>(2 * kOctaves);
         return std::sqrt(std::ldexp(1 + fraction, octave));
     }
-    /// The distance, relative to the diagonal, that `share` of all do not exceed: rounded up to the
-    /// end of a bin, by at most 3.1 %.
+    /// The distance, relative to the diagonal, that `share` of all do not exceed, to within 3.1 %:
+    /// interpolated in its bin.
     [[nodiscard]] double quantile(double share) const;
 
   private:
@@ -58,8 +58,8 @@ class DistanceHistogram {
 
 /// Of squared distances in square steps, each at a point in steps. What it says does not depend on
 /// the order in which they came, nor on how they were shared out to several tallies that were added
-/// up in the end: sums are exact, and of equal distances the least point stands for all. 12 KiB. One
-/// thread.
+/// up in the end: sums are exact, and of equal distances the least point stands for all. 12 KiB.
+/// One thread.
 class DistanceTally {
   public:
     /// `diagonal`, in steps, is what the histogram refers to.

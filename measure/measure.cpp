@@ -2,14 +2,20 @@
 #include "hewer/measure.h"
 
 #include <algorithm>
+#include <cmath>
+#include <memory>
+#include <span>
 #include <utility>
 
 #include "hewer/error.h"
+#include "hewer/mesh_sink.h"
 #include "measure/area_sampler.h"
 #include "measure/census.h"
 #include "measure/direction.h"
+#include "measure/distance_map.h"
 #include "measure/lattice.h"
 #include "measure/original_pass.h"
+#include "measure/points.h"
 #include "measure/query_points.h"
 #include "measure/resident_surface.h"
 #include "measure/triangle_index.h"
@@ -49,7 +55,15 @@ class Measurement {
                     .temp_dir = options.temp_dir,
                     .max_temp_bytes = options.max_temp_bytes},
                    hooks,
-                   {{"scan", 2}, {"load", 1}, {"index", 1}, {"vertices", 12}, {"triangles", 8}}) {}
+                   {{"scan", 2},
+                    {"load", 1},
+                    {"index", 1},
+                    {"vertices", 12},
+                    {"triangles", 8},
+                    {"map", options.map.empty() ? 0.0 : 3.0}}) {
+        // Refused before the work, not after.
+        if (!options.map.empty()) map_ = create_mesh_file(options.map, options.overwrite);
+    }
 
     MeasureReport run();
 
@@ -57,13 +71,20 @@ class Measurement {
     [[nodiscard]] std::uint64_t least_window_bytes() const;
     [[nodiscard]] std::uint64_t resident_bytes(const Census& simplified) const;
     Census census_of(MeshSource& source, std::uint64_t window_bytes);
-    void index_simplified(Census census, double area_of_original);
+    void index_simplified(const Census& census, double area_of_original);
     void add_backward(Direction& backward);
+    void write_map(const Census& original, const Census& simplified);
+    [[nodiscard]] ooc::Array<float> distances_of_vertices();
+    [[nodiscard]] std::uint64_t find_vertex(const LatticePoint& p) const;
+    [[nodiscard]] bool maps_simplified() const {
+        return map_ != nullptr && options_.map_of == MapOf::Simplified;
+    }
 
     MeshSource& original_;
     MeshSource& simplified_;
     const MeasureOptions& options_;
     ooc::Context context_;
+    std::unique_ptr<MeshSink> map_;
     Lattice lattice_;
     MeasureReport report_;
     // Of the simplified surface.
@@ -72,6 +93,8 @@ class Measurement {
     TriangleIndex index_;
     WaitingPoints waiting_;
     std::uint64_t n_waiting_vertices_ = 0;  // the first; samples follow
+    // For a map: the greatest squared distance of the points whose nearest triangle it is.
+    ooc::Array<float> greatest_;
 };
 
 /// With this much, windows of vertices and sorters work, slowly.
@@ -85,16 +108,18 @@ std::uint64_t Measurement::resident_bytes(const Census& simplified) const {
     const std::uint64_t n = simplified.n_triangles;
     const std::uint64_t n_query = ResidentSurface::max_points(simplified_, simplified) +
                                   AreaSampler::most(n_samples(options_, n));
-    std::uint64_t bytes = ResidentSurface::bytes(simplified_, simplified) +
-                          TriangleIndex::bytes(n) - n * sizeof(LatticeTriangle) +
-                          WaitingPoints::bytes(n_query) + 2 * Direction::bytes(context_.n_threads()) +
-                          OriginalPass::bytes(context_.n_threads()) +
-                          Marks::bytes(original_.info().n_vertices) +
-                          context_.n_threads() * kBatchBytes;
+    std::uint64_t bytes =
+        ResidentSurface::bytes(simplified_, simplified) + TriangleIndex::bytes(n) -
+        n * sizeof(LatticeTriangle) + WaitingPoints::bytes(n_query) +
+        2 * Direction::bytes(context_.n_threads()) + OriginalPass::bytes(context_.n_threads()) +
+        Marks::bytes(original_.info().n_vertices) + context_.n_threads() * kBatchBytes;
     // What spools and merges keep in memory.
     using Sorter = ooc::ExternalSorter<LatticePoint, int>;
-    bytes += Sorter::kFanIn * (context_.page_bytes() +
-                               ooc::SpoolReader<LatticePoint>::kBufferBytes);
+    bytes +=
+        Sorter::kFanIn * (context_.page_bytes() + ooc::SpoolReader<LatticePoint>::kBufferBytes);
+    if (maps_simplified()) {
+        bytes += sizeof(float) * (n + ResidentSurface::max_points(simplified_, simplified));
+    }
     return bytes;
 }
 
@@ -107,13 +132,13 @@ Census Measurement::census_of(MeshSource& source, std::uint64_t window_bytes) {
     return census;
 }
 
-void Measurement::index_simplified(Census census, double area_of_original) {
+void Measurement::index_simplified(const Census& census, double area_of_original) {
     context_.begin_stage("load", simplified_.info().n_faces + simplified_.info().n_vertices,
                          "elements");
     const double square_step = lattice_.step() * lattice_.step();
     const AreaSampler sampler(census.area / square_step, n_samples(options_, census.n_triangles),
                               options_.seed);
-    ResidentSurface surface = load_surface(context_, simplified_, std::move(census), lattice_);
+    ResidentSurface surface = load_surface(context_, simplified_, census, lattice_);
     context_.end_stage();
     context_.begin_stage("index", surface.triangles.size(), "triangles");
     index_ = TriangleIndex(context_, std::move(surface.triangles), report_.simplified_triangles);
@@ -122,6 +147,9 @@ void Measurement::index_simplified(Census census, double area_of_original) {
     QueryPoints query = make_query_points(context_, vertices_.span().first(n_vertices_),
                                           index_.triangles(), sampler);
     n_waiting_vertices_ = query.n_vertices;
+    if (maps_simplified()) {
+        greatest_ = {context_.budget(), "distances by triangle", index_.triangles().size()};
+    }
     waiting_ = WaitingPoints(context_, std::move(query.points), area_of_original);
     context_.end_stage();
 }
@@ -138,6 +166,63 @@ void Measurement::add_backward(Direction& backward) {
             }
         }
     });
+}
+
+/// The first of those at `p`.
+std::uint64_t Measurement::find_vertex(const LatticePoint& p) const {
+    const LatticePoint* const begin = vertices_.begin();
+    return static_cast<std::uint64_t>(
+        std::lower_bound(begin, begin + n_vertices_, p, MortonLess()) - begin);
+}
+
+/// In steps: its own, or what is farther and belongs to one of its triangles.
+ooc::Array<float> Measurement::distances_of_vertices() {
+    ooc::Array<float> distances(context_.budget(), "distances of vertices", n_vertices_);
+    for (std::uint64_t i = 0; i < n_vertices_; ++i) {
+        distances[i] = static_cast<float>(std::sqrt(waiting_.squared_distance(i)));
+    }
+    for (std::uint64_t t = 0; t < greatest_.size(); ++t) {
+        const float distance = std::sqrt(greatest_[t]);
+        for (const LatticePoint& p : index_.triangles()[t]) {
+            float& at = distances[find_vertex(p)];
+            at = std::max(at, distance);
+        }
+    }
+    return distances;
+}
+
+void Measurement::write_map(const Census& original, const Census& simplified) {
+    const double farthest = std::max(report_.forward.quantiles.back().distance,
+                                     report_.backward.quantiles.back().distance);
+    report_.map_range = options_.map_range > 0 ? options_.map_range : farthest;
+    // All at distance 0: any range gives the first colour.
+    if (!(report_.map_range > 0)) report_.map_range = lattice_.step();
+    const double range = report_.map_range / lattice_.step();
+    MeshSource& source = maps_simplified() ? simplified_ : original_;
+    context_.begin_stage("map", source.info().n_vertices + source.info().n_faces, "elements");
+    if (maps_simplified()) {
+        const ooc::Array<float> distances = distances_of_vertices();
+        write_distance_map(
+            context_, source, simplified, lattice_,
+            [&](std::span<const LatticePoint> points, std::span<double> out) {
+                std::transform(points.begin(), points.end(), out.begin(),
+                               [&](const LatticePoint& p) { return distances[find_vertex(p)]; });
+            },
+            range, *map_);
+    } else {
+        write_distance_map(
+            context_, source, original, lattice_,
+            [&](std::span<const LatticePoint> points, std::span<double> out) {
+                std::uint64_t guess = 0;
+                for (std::size_t i = 0; i < points.size(); ++i) {
+                    const auto nearest = index_.nearest(to_double(points[i]), guess);
+                    guess = nearest.triangle;
+                    out[i] = std::sqrt(nearest.squared_distance);
+                }
+            },
+            range, *map_);
+    }
+    context_.end_stage();
 }
 
 MeasureReport Measurement::run() {
@@ -169,13 +254,12 @@ MeasureReport Measurement::run() {
     box.extend(to_double(lattice_.from_model(both.max)));
     Direction forward(context_, box, diagonal);
     Direction backward(context_, box, diagonal);
-    index_simplified(std::move(simplified_census), census.area / square_step);
+    index_simplified(simplified_census, census.area / square_step);
 
     const AreaSampler sampler(census.area / square_step, n_samples(options_, census.n_triangles),
                               options_.seed);
-    ooc::Array<float> greatest;
     OriginalPass pass(context_, {original_, census, lattice_, index_, sampler, window_bytes},
-                      forward, waiting_, greatest);
+                      forward, waiting_, greatest_);
     context_.begin_stage("vertices", from.is_indexed ? from.n_vertices : from.n_faces, "elements");
     pass.measure_vertices();
     context_.end_stage();
@@ -186,6 +270,7 @@ MeasureReport Measurement::run() {
 
     report_.forward = forward.report(lattice_);
     report_.backward = backward.report(lattice_);
+    if (map_ != nullptr) write_map(census, simplified_census);
     report_.seconds = context_.elapsed_seconds();
     report_.temp_bytes_written = context_.spill().bytes_written();
     report_.peak_resident_bytes = ooc::peak_resident_bytes();

@@ -57,8 +57,7 @@ void OriginalPass::measure_vertex(unsigned worker, Probe& probe, const LatticePo
 
 void OriginalPass::measure_vertices() {
     const bool is_indexed = input_.source.info().is_indexed;
-    const std::uint64_t n =
-        is_indexed ? input_.census.n_vertices : 3 * input_.census.n_triangles;
+    const std::uint64_t n = is_indexed ? input_.census.n_vertices : 3 * input_.census.n_triangles;
     // One for each worker besides: its first.
     far_ = {context_.budget(), "limits far from the surface",
             std::min(n, kFarPoints) + context_.n_threads()};
@@ -118,16 +117,14 @@ void OriginalPass::measure_soup_corners() {
 void OriginalPass::measure_triangles() {
     std::vector<Probe> probes(context_.n_threads());
     streaming::Dereference<LatticeEncoder> triangles(context_, input_.source, {input_.lattice},
-                                                     input_.window_bytes,
-                                                     input_.census.coherence);
+                                                     input_.window_bytes, input_.census.coherence);
     triangles.for_batches(
         [] {},
         [&](unsigned worker, std::span<const LatticeTriangle> batch, std::span<const Triangle>) {
             Probe& probe = probes[worker];
             for (const LatticeTriangle& t : batch) {
-                input_.sampler.for_samples(t, [&](const Vec3& q) {
-                    forward_.add_sample(worker, q, measure(probe, q));
-                });
+                input_.sampler.for_samples(
+                    t, [&](const Vec3& q) { forward_.add_sample(worker, q, measure(probe, q)); });
             }
             waiting_.meet(batch);
         });

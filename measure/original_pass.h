@@ -37,7 +37,8 @@ class OriginalPass {
                  WaitingPoints& waiting, ooc::Array<float>& greatest);
 
     /// One pass over the vertices, then waiting.settle(). A soup: one over the triangles, whose
-    /// corners are sorted (on disk, 12 bytes each, if memory is short) and equal ones taken for one.
+    /// corners are sorted (on disk, 12 bytes each, if memory is short) and equal ones taken for
+    /// one.
     void measure_vertices();
     /// One pass over the triangles.
     void measure_triangles();

@@ -13,8 +13,8 @@
 
 namespace hewer::measuring {
 
-/// In steps: first the vertices, then the samples, each in the order given, which should be coherent
-/// in space. Memory: 24 bytes a point.
+/// In steps: first the vertices, then the samples, each in the order given, which should be
+/// coherent in space. Memory: 24 bytes a point.
 struct QueryPoints {
     ooc::Array<Vec3> points;
     std::uint64_t n_vertices = 0;

@@ -59,7 +59,7 @@ std::uint64_t ResidentSurface::bytes(const MeshSource& source, const Census& cen
            max_points(source, census) * sizeof(LatticePoint);
 }
 
-ResidentSurface load_surface(ooc::Context& context, MeshSource& source, Census census,
+ResidentSurface load_surface(ooc::Context& context, MeshSource& source, const Census& census,
                              const Lattice& lattice) {
     ResidentSurface surface;
     const std::string& name = source.info().name;

@@ -33,7 +33,7 @@ struct ResidentSurface {
 /// Memory: 36 bytes a triangle, 12 bytes a vertex (a soup: 36 bytes a triangle).
 /// Throws: FormatError (also when the counts are not those of the census), IoError,
 /// OutOfMemoryBudget, Cancelled.
-ResidentSurface load_surface(ooc::Context& context, MeshSource& source, Census census,
+ResidentSurface load_surface(ooc::Context& context, MeshSource& source, const Census& census,
                              const Lattice& lattice);
 
 /// The file is not what it was when its triangles were counted.

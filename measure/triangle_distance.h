@@ -48,7 +48,7 @@ HEWER_INLINE double squared_distance_to_segment(const Vec3& from_start, const Ve
 /// point lies: needles of any aspect come out right to a few units of rounding of the distance
 /// between `q` and the triangle's corners.
 HEWER_INLINE double squared_distance(const Vec3& q, const LatticeTriangle& t,
-                               double limit = std::numeric_limits<double>::infinity()) {
+                                     double limit = std::numeric_limits<double>::infinity()) {
     using namespace detail;
     const Vec3 a = to_double(t[0]);
     const Vec3 b = to_double(t[1]);

@@ -147,8 +147,8 @@ void TriangleIndex::fill_inner_nodes(std::size_t level, std::uint64_t begin, std
     }
 }
 
-HEWER_INLINE std::array<float, TriangleIndex::kFanOut> TriangleIndex::child_distances(const Node& node,
-                                                                         const LatticePoint& p) {
+HEWER_INLINE std::array<float, TriangleIndex::kFanOut> TriangleIndex::child_distances(
+    const Node& node, const LatticePoint& p) {
     std::array<float, kFanOut> d2;
     for (std::size_t c = 0; c < kFanOut; ++c) {
         float sum = 0;
@@ -161,8 +161,9 @@ HEWER_INLINE std::array<float, TriangleIndex::kFanOut> TriangleIndex::child_dist
     return d2;
 }
 
-HEWER_INLINE void TriangleIndex::search_leaf(std::uint64_t leaf, const Vec3& q, const LatticePoint& p,
-                                Nearest& best, float& limit) const {
+HEWER_INLINE void TriangleIndex::search_leaf(std::uint64_t leaf, const Vec3& q,
+                                             const LatticePoint& p, Nearest& best,
+                                             float& limit) const {
     const std::uint64_t end = std::min<std::uint64_t>(n_, (leaf + 1) * kLeaf);
     for (std::uint64_t t = leaf * kLeaf; t < end; ++t) {
         // Each triangle's own box spares many of the exact distances: a seventh of the time.
@@ -175,7 +176,8 @@ HEWER_INLINE void TriangleIndex::search_leaf(std::uint64_t leaf, const Vec3& q, 
     }
 }
 
-HEWER_VECTOR_CLONES TriangleIndex::Nearest TriangleIndex::nearest(const Vec3& q, std::uint64_t guess) const {
+HEWER_VECTOR_CLONES TriangleIndex::Nearest TriangleIndex::nearest(const Vec3& q,
+                                                                  std::uint64_t guess) const {
     Nearest best{squared_distance(q, triangles_[guess]), guess};
     float limit = with_slack(best.squared_distance);
     LatticePoint p{};

@@ -153,8 +153,8 @@ WaitingPoints::Box WaitingPoints::box_of_leaf(std::uint64_t l) {
 
 WaitingPoints::Box WaitingPoints::box_of_node(Node& node) {
     Box box{{}, {}, largest(node.limit)};
-    const auto n = std::count_if(node.limit.begin(), node.limit.end(),
-                                 [](float limit) { return limit >= 0; });
+    const auto n =
+        std::count_if(node.limit.begin(), node.limit.end(), [](float limit) { return limit >= 0; });
     for (std::size_t k = 0; k < 3; ++k) {
         box.lo[k] = *std::min_element(node.lo[k].begin(), node.lo[k].begin() + n);
         box.hi[k] = *std::max_element(node.hi[k].begin(), node.hi[k].begin() + n);
@@ -203,14 +203,18 @@ void WaitingPoints::settle(ooc::Context& context, ooc::Array<LatticeTriangle> fa
             std::array<double, kLeaf> limits;
             for (std::uint64_t l = begin; l < end; ++l) {
                 const std::uint64_t first = l * kLeaf;
-                const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(kLeaf, size() - first));
+                const auto n =
+                    static_cast<std::size_t>(std::min<std::uint64_t>(kLeaf, size() - first));
                 for (std::size_t i = 0; i < n; ++i) {
                     const Vec3& q = points_[first + i];
                     limits[i] = distance_to_noted(rounded(q));
-                    if (std::isfinite(limits[i])) continue;
+                    // What is farther than the next cells came by a collision of the hash.
+                    constexpr double kCells = 3.5;
+                    if (limits[i] <= std::ldexp(kCells, cell_bits_)) continue;
                     const TriangleIndex::Nearest nearest = index.nearest(q, guess);
                     guess = nearest.triangle;
-                    limits[i] = std::sqrt(nearest.squared_distance) * (1 + 0x1p-40) + 1;
+                    limits[i] = std::min(limits[i],
+                                         std::sqrt(nearest.squared_distance) * (1 + 0x1p-40) + 1);
                 }
                 fill_leaf(l, std::span(limits).first(n));
             }
@@ -314,8 +318,7 @@ HEWER_INLINE void WaitingPoints::meet_leaf(std::uint64_t l, const LatticeTriangl
         float sum = 0;
         for (std::size_t k = 0; k < 3; ++k) {
             const std::int32_t x = leaf.at[k][i];
-            const auto d =
-                static_cast<float>(std::max(std::max(box.lo[k] - x, x - box.hi[k]), 0));
+            const auto d = static_cast<float>(std::max(std::max(box.lo[k] - x, x - box.hi[k]), 0));
             sum += d * d;
         }
         d2[i] = sum;

@@ -126,7 +126,7 @@ class WaitingPoints {
     ooc::Array<Vec3> points_;
     ooc::Array<double> best_;  // squared
     ooc::Array<Leaf> leaves_;
-    ooc::Array<Node> nodes_;  // the parents of leaves first; the root last
+    ooc::Array<Node> nodes_;             // the parents of leaves first; the root last
     std::vector<std::uint64_t> levels_;  // first node of each
     int cell_bits_ = 0;
     ooc::Array<std::uint64_t> grid_;  // packed points; 0: none

@@ -21,8 +21,8 @@ WorstPlaces::WorstPlaces(ooc::Context& context, const Bounds& box)
 }
 
 void WorstPlaces::keep(Place& place, const Vec3& q, double squared_distance) {
-    const std::lock_guard lock((*locks_)[static_cast<std::size_t>(&place - places_.begin()) %
-                                         kLocks]);
+    const std::lock_guard lock(
+        (*locks_)[static_cast<std::size_t>(&place - places_.begin()) % kLocks]);
     const std::atomic_ref<double> greatest(place.squared_distance);
     const double now = greatest.load(std::memory_order_relaxed);
     if (squared_distance > now || (squared_distance == now && q < place.point)) {
@@ -37,9 +37,9 @@ std::vector<WorstPlaces::Place> WorstPlaces::worst(std::size_t n) const {
         const Place* next = nullptr;
         for (const Place& p : places_) {
             if (!(p.squared_distance > 0)) continue;
-            if (next != nullptr && (p.squared_distance < next->squared_distance ||
-                                    (p.squared_distance == next->squared_distance &&
-                                     next->point < p.point))) {
+            if (next != nullptr &&
+                (p.squared_distance < next->squared_distance ||
+                 (p.squared_distance == next->squared_distance && next->point < p.point))) {
                 continue;
             }
             const bool is_near = std::any_of(found.begin(), found.end(), [&](const Place& f) {

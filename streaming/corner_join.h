@@ -31,7 +31,8 @@ using LoadVertices = std::function<void(std::uint64_t, std::uint64_t, Point*)>;
 ///
 /// Two passes over the triangles (the second by next()) and one over the vertices. Disk: 4 bytes a
 /// corner, then sizeof(Point); memory: sizeof(Point) a vertex of a range, `range_bytes` in all, and
-/// a page for each range. Throws: as the source does, OutOfMemoryBudget, OutOfDiskBudget, Cancelled.
+/// a page for each range. Throws: as the source does, OutOfMemoryBudget, OutOfDiskBudget,
+/// Cancelled.
 template <typename Point>
 class CornerJoin {
   public:

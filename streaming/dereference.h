@@ -7,7 +7,6 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -97,17 +96,7 @@ class Dereference {
         return coherence_ == Coherence::Scattered ? coherence_ : Coherence::Coherent;
     }
 
-    static std::uint64_t bytes(const SourceInfo& info, std::uint64_t memory_bytes,
-                               unsigned n_threads) {
-        if (!info.is_indexed) return 0;
-        return std::min(info.n_vertices * sizeof(Point),
-                        std::max(memory_bytes, n_threads * VertexCache<Point>::kLeastLines *
-                                                   (VertexCache<Point>::kLineBytes + kSetBytes)));
-    }
-
   private:
-    static constexpr std::uint64_t kSetBytes = 32;
-
     /// What of a batch is left after its absent corners.
     struct Batch {
         TriangleBatch read;

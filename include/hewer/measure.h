@@ -14,7 +14,8 @@ namespace hewer {
 
 /// Which surface a distance map shows.
 enum class MapOf {
-    /// Each vertex in the colour of its distance, or of the farthest point of the original for which
+    /// Each vertex in the colour of its distance, or of the farthest point of the original for
+    /// which
     /// one of its triangles is the nearest, if that is farther: so what the simplified surface has
     /// lost shows where it was lost.
     Simplified,
@@ -23,8 +24,8 @@ enum class MapOf {
 };
 
 struct MeasureOptions {
-    /// About so many samples on each surface besides its vertices, spread by area. 0: as many as the
-    /// surface has triangles, at least 500'000 and at most 10'000'000.
+    /// About so many samples on each surface besides its vertices, spread by area. 0: as many as
+    /// the surface has triangles, at least 500'000 and at most 10'000'000.
     std::uint64_t n_samples = 0;
     std::uint64_t seed = 1;
     /// A mesh file to write (see MeshSink), its vertices coloured by distance; empty: none.
@@ -47,7 +48,7 @@ struct DistanceBin {
     std::uint64_t n = 0;
 };
 
-/// A share of the samples is at this distance or nearer; rounded up, by at most 3.1 %.
+/// A share of the samples is at this distance or nearer, to within 3.1 % of it.
 struct DistanceQuantile {
     double share = 0;
     double distance = 0;

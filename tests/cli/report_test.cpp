@@ -120,11 +120,13 @@ TEST(CliReport, of_measure_has_all_figures) {
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_NE(outcome.out.find("maximum"), std::string::npos) << outcome.out;
     const json report = json::parse(read_file(dir.file("report.json")));
-    EXPECT_EQ(keys_of(report), (Keys{"version", "command", "options", "forward", "backward",
-                                     "bounds", "diagonal", "original_triangles",
-                                     "simplified_triangles", "seconds", "peak_resident_bytes"}));
-    const Keys distance{"maximum",    "mean",       "rms",       "vertex_maximum", "vertex_mean",
-                        "vertex_rms", "n_vertices", "n_samples", "worst"};
+    EXPECT_EQ(keys_of(report),
+              (Keys{"version", "command", "options", "forward", "backward", "bounds", "diagonal",
+                    "original_triangles", "simplified_triangles", "map_range", "temp_bytes_written",
+                    "seconds", "peak_resident_bytes"}));
+    const Keys distance{"maximum",     "mean",       "rms",        "vertex_maximum",
+                        "vertex_mean", "vertex_rms", "n_vertices", "n_samples",
+                        "quantiles",   "histogram",  "worst"};
     EXPECT_EQ(keys_of(report["forward"]), distance);
     EXPECT_EQ(keys_of(report["backward"]), distance);
     EXPECT_EQ(report["original_triangles"], 1800);

@@ -68,8 +68,10 @@ WaitingPoints wait_for(ooc::Context& context, const std::vector<Vec3>& points,
 
 TEST(WaitingPoints, FindTheSameDistancesAsBruteForce) {
     for (const auto& [size, triangle_radius, point_radius] :
-         {std::tuple{1000, 1'000'000, 1'000'000}, {50'000'000, 900'000'000, 1'000'000'000},
-          {3000, 2000, 1'000'000'000}, {100'000'000, 100'000'000, 500}}) {
+         {std::tuple{1000, 1'000'000, 1'000'000},
+          {50'000'000, 900'000'000, 1'000'000'000},
+          {3000, 2000, 1'000'000'000},
+          {100'000'000, 100'000'000, 500}}) {
         for (const std::size_t n : {1UL, 7UL, 8UL, 9UL, 65UL, 700UL}) {
             std::mt19937 random(static_cast<unsigned>(n));
             const auto triangles = triangles_of(random, 1500, size, triangle_radius);
@@ -123,7 +125,7 @@ TEST(WaitingPoints, TakeTheBytesTheyState) {
         const WaitingPoints waiting(context, array_of(context, points_of(random, n, 1000)), 1e6);
         EXPECT_EQ(context.budget().used() - before, WaitingPoints::bytes(n));
     }
-    EXPECT_LE(WaitingPoints::bytes(1 << 20), 60ULL << 20);
+    EXPECT_LE(WaitingPoints::bytes(1 << 20), 61ULL << 20);
 }
 
 }  // namespace
