@@ -51,6 +51,11 @@ constexpr std::array kOptions{
 // key, flags, metavar, type, commands, unit, default, least, most, choices, group, required, help
 OptionSpec{"input", "INPUT", "", T::Path, kSimplify | kInfo | kPlan | kRender, "", "", 0, 0, "", kFiles, true,
     "Mesh to read: PLY (binary or ASCII) or binary STL, told by its content."},
+OptionSpec{"after", "AFTER", "", T::Path, kRender, "", "", 0, 0, "", kFiles, false,
+    "Second mesh, drawn to the right of the first with the same camera."},
+OptionSpec{"map", "--map", "MAP", T::Path, kRender, "", "", 0, 0, "", kFiles, false,
+    "Distance map that `hewer measure --map` has written, drawn to the right of the others: before, "
+    "after and error in one picture. A map carries its colours, so it can be drawn as INPUT, too."},
 OptionSpec{"original", "ORIGINAL", "", T::Path, kMeasure, "", "", 0, 0, "", kFiles, true,
     "Mesh that the other one stands for."},
 OptionSpec{"simplified", "SIMPLIFIED", "", T::Path, kMeasure, "", "", 0, 0, "", kFiles, true,
@@ -117,7 +122,7 @@ OptionSpec{"color", "--color", "", T::Flag, kGenerate, "", "", 0, 0, "", kSurfac
     "Vertex colours."},
 
 OptionSpec{"size", "--size", "WxH", T::Pixels, kRender, "pixels", "1024x1024", 1, kMostPixels, "", kPicture, false,
-    "Size of the picture."},
+    "Size of the picture; of each, where several are side by side."},
 OptionSpec{"view", "--view", "AZ,EL", T::Pair, kRender, "degrees", "30,20", 0, 0, "", kPicture, false,
     "Turn of the camera about the vertical axis, and its elevation."},
 OptionSpec{"zoom", "--zoom", "Z", T::Number, kRender, "", "1", 1e-3, 1e6, "", kPicture, false,
@@ -161,8 +166,8 @@ CommandSpec{Command::Plan, "plan", "INPUT TARGET [options]",
     "Memory, disk and time that simplify would need, before any work."},
 CommandSpec{Command::Generate, "generate", "OUTPUT [options]",
     "Write a scan-like test surface of any size."},
-CommandSpec{Command::Render, "render", "INPUT -o OUTPUT [options]",
-    "Draw a shaded picture of a mesh."},
+CommandSpec{Command::Render, "render", "INPUT [AFTER] [--map MAP] -o OUTPUT [options]",
+    "Draw a shaded picture of a mesh, or of several side by side."},
 CommandSpec{Command::Help, "help", "[COMMAND] [options]",
     "Explain a command."},
 };
