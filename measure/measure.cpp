@@ -213,11 +213,9 @@ void Measurement::write_map(const Census& original, const Census& simplified) {
         write_distance_map(
             context_, source, original, lattice_,
             [&](std::span<const LatticePoint> points, std::span<double> out) {
-                std::uint64_t guess = 0;
+                TriangleIndex::Walk walk(index_);
                 for (std::size_t i = 0; i < points.size(); ++i) {
-                    const auto nearest = index_.nearest(to_double(points[i]), guess);
-                    guess = nearest.triangle;
-                    out[i] = std::sqrt(nearest.squared_distance);
+                    out[i] = std::sqrt(walk.nearest(to_double(points[i])).squared_distance);
                 }
             },
             range, *map_);

@@ -37,8 +37,7 @@ OriginalPass::OriginalPass(ooc::Context& context, const Input& input, Direction&
     : context_(context), input_(input), forward_(forward), waiting_(waiting), greatest_(greatest) {}
 
 double OriginalPass::measure(Probe& probe, const Vec3& q) {
-    const TriangleIndex::Nearest nearest = input_.to.nearest(q, probe.guess);
-    probe.guess = nearest.triangle;
+    const TriangleIndex::Nearest nearest = probe.walk.nearest(q);
     if (!greatest_.empty()) {
         raise_to(greatest_[nearest.triangle], static_cast<float>(nearest.squared_distance));
     }
@@ -72,7 +71,7 @@ void OriginalPass::measure_vertices() {
 
 void OriginalPass::measure_indexed_vertices() {
     const LatticeEncoder encoder{input_.lattice};
-    std::vector<Probe> probes(context_.n_threads());
+    std::vector<Probe> probes(context_.n_threads(), {TriangleIndex::Walk(input_.to)});
     for_vertex_batches(context_, input_.source, [&](unsigned worker, const VertexBatch& batch) {
         for (std::size_t i = 0; i < batch.positions.size(); ++i) {
             if (!input_.census.used.get(batch.first + i)) continue;
@@ -97,7 +96,7 @@ void OriginalPass::measure_soup_corners() {
     const std::uint64_t n_pieces = (corners.size() + kPiece - 1) / kPiece;
     std::atomic<std::uint64_t> next{0};
     context_.workers().on_each([&](unsigned worker) {
-        Probe probe;
+        Probe probe{TriangleIndex::Walk(input_.to)};
         std::vector<LatticePoint> points;
         for (std::uint64_t piece = next++; piece < n_pieces; piece = next++) {
             // With the last of the piece before, which the first may be equal to.
@@ -115,7 +114,7 @@ void OriginalPass::measure_soup_corners() {
 }
 
 void OriginalPass::measure_triangles() {
-    std::vector<Probe> probes(context_.n_threads());
+    std::vector<Probe> probes(context_.n_threads(), {TriangleIndex::Walk(input_.to)});
     streaming::Dereference<LatticeEncoder> triangles(context_, input_.source, {input_.lattice},
                                                      input_.window_bytes, input_.census.coherence);
     triangles.for_batches(

@@ -50,8 +50,8 @@ class OriginalPass {
   private:
     /// One worker's measuring of points that follow each other.
     struct Probe {
-        std::uint64_t guess = 0;
-        std::uint64_t n_seen = 0;
+        TriangleIndex::Walk walk;
+        std::uint64_t n_seen = 0;  // vertices
     };
     void measure_vertex(unsigned worker, Probe& probe, const LatticePoint& p);
     double measure(Probe& probe, const Vec3& q);

@@ -199,7 +199,7 @@ void WaitingPoints::settle(ooc::Context& context, ooc::Array<LatticeTriangle> fa
     const TriangleIndex index(context, std::move(far), n_far);
     context.workers().for_ranges(
         leaves_.size(), kLeavesPerTask, [&](std::uint64_t begin, std::uint64_t end) {
-            std::uint64_t guess = 0;
+            TriangleIndex::Walk walk(index);
             std::array<double, kLeaf> limits;
             for (std::uint64_t l = begin; l < end; ++l) {
                 const std::uint64_t first = l * kLeaf;
@@ -211,10 +211,8 @@ void WaitingPoints::settle(ooc::Context& context, ooc::Array<LatticeTriangle> fa
                     // What is farther than the next cells came by a collision of the hash.
                     constexpr double kCells = 3.5;
                     if (limits[i] <= std::ldexp(kCells, cell_bits_)) continue;
-                    const TriangleIndex::Nearest nearest = index.nearest(q, guess);
-                    guess = nearest.triangle;
-                    limits[i] = std::min(limits[i],
-                                         std::sqrt(nearest.squared_distance) * (1 + 0x1p-40) + 1);
+                    limits[i] = std::min(
+                        limits[i], std::sqrt(walk.nearest(q).squared_distance) * (1 + 0x1p-40) + 1);
                 }
                 fill_leaf(l, std::span(limits).first(n));
             }
