@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <iostream>
+#include <memory>
+#include <vector>
 
 #include "app/commands.h"
 #include "app/path_checks.h"
@@ -26,12 +28,21 @@ void run_render(const Arguments& arguments, const std::stop_token& stop) {
     options.overwrite = arguments.flag("force");
     options.memory_bytes = arguments.get<std::uint64_t>("memory");
     options.n_threads = static_cast<unsigned>(arguments.get<std::uint64_t>("threads"));
-    check_outputs({input}, {{output, "output"}}, options.overwrite);
+    std::vector<std::filesystem::path> inputs{input};
+    for (const char* key : {"after", "map"}) {
+        if (arguments.is_given(key)) inputs.push_back(arguments.path(key));
+    }
+    check_outputs(inputs, {{output, "output"}}, options.overwrite);
 
     ProgressPrinter printer(
         choose_progress_style(arguments.get<std::string>("progress"), arguments.flag("quiet")));
-    const auto mesh = open_mesh(input);
-    render(*mesh, output, options, printer.hooks(stop));
+    std::vector<std::unique_ptr<MeshSource>> sources;
+    std::vector<MeshSource*> meshes;
+    for (const std::filesystem::path& path : inputs) {
+        sources.push_back(open_mesh(path));
+        meshes.push_back(sources.back().get());
+    }
+    render(meshes, output, options, printer.hooks(stop));
     printer.finish();
     if (!arguments.flag("quiet")) std::cout << output.string() << ": written\n";
 }

@@ -51,6 +51,11 @@ constexpr std::array kOptions{
 // key, flags, metavar, type, commands, unit, default, least, most, choices, group, required, help
 OptionSpec{"input", "INPUT", "", T::Path, kSimplify | kInfo | kPlan | kRender, "", "", 0, 0, "", kFiles, true,
     "Mesh to read: PLY (binary or ASCII) or binary STL, told by its content."},
+OptionSpec{"after", "AFTER", "", T::Path, kRender, "", "", 0, 0, "", kFiles, false,
+    "Second mesh, drawn to the right of the first with the same camera."},
+OptionSpec{"map", "--map", "MAP", T::Path, kRender, "", "", 0, 0, "", kFiles, false,
+    "Distance map that `hewer measure --map` has written, drawn to the right of the others: before, "
+    "after and error in one picture. A map carries its colours, so it can be drawn as INPUT, too."},
 OptionSpec{"original", "ORIGINAL", "", T::Path, kMeasure, "", "", 0, 0, "", kFiles, true,
     "Mesh that the other one stands for."},
 OptionSpec{"simplified", "SIMPLIFIED", "", T::Path, kMeasure, "", "", 0, 0, "", kFiles, true,
@@ -95,8 +100,18 @@ OptionSpec{"fit", "--fit", "N", T::CountOrOff, kTargets, "rounds, or off", "=4; 
 OptionSpec{"strict", "--strict", "", T::Flag, kTargets, "", "", 0, 0, "", kMethod, false,
     "Refuse an input with defects instead of counting them."},
 
-OptionSpec{"samples", "--samples", "N", T::Count, kMeasure, "points a surface", "=one a triangle, 500k to 10M", 1, kMostCount, "", kSurface, false,
+OptionSpec{"samples", "--samples", "N", T::Count, kMeasure, "points a surface, about", "=one a triangle, 500k to 10M", 1, kMostCount, "", kSurface, false,
     "Points spread over each surface by area, besides all of its vertices."},
+OptionSpec{"seed", "--seed", "N", T::Count, kMeasure, "", "1", 0, kMostCount, "", kSurface, false,
+    "Another seed gives other points."},
+OptionSpec{"map", "--map", "FILE", T::Path, kMeasure, "", "", 0, 0, ".ply", kSurface, false,
+    "Write a mesh with its vertices coloured by distance: dark blue for none, through green, to "
+    "yellow at the map's range and beyond."},
+OptionSpec{"map_of", "--map-of", "WHICH", T::Choice, kMeasure, "", "simplified", 0, 0, "simplified|original", kSurface, false,
+    "simplified: each vertex shows the farthest of its own distance and of the points of the "
+    "original that are nearest to its triangles. original: each vertex shows its own distance."},
+OptionSpec{"map_range", "--map-range", "D", T::Number, kMeasure, "model units", "=the 99.9 % quantile", kSmallest, kNoLimit, "", kSurface, false,
+    "Distance of the last colour of the map."},
 OptionSpec{"triangles", "--triangles", "N", T::Count, kGenerate, "triangles", "1M", 1, kMostCount, "", kSurface, false,
     "At most this many triangles, and nearly as many."},
 OptionSpec{"seed", "--seed", "N", T::Count, kGenerate, "", "1", 0, kMostCount, "", kSurface, false,
@@ -109,7 +124,7 @@ OptionSpec{"color", "--color", "", T::Flag, kGenerate, "", "", 0, 0, "", kSurfac
     "Vertex colours."},
 
 OptionSpec{"size", "--size", "WxH", T::Pixels, kRender, "pixels", "1024x1024", 1, kMostPixels, "", kPicture, false,
-    "Size of the picture."},
+    "Size of the picture; of each, where several are side by side."},
 OptionSpec{"view", "--view", "AZ,EL", T::Pair, kRender, "degrees", "30,20", 0, 0, "", kPicture, false,
     "Turn of the camera about the vertical axis, and its elevation."},
 OptionSpec{"zoom", "--zoom", "Z", T::Number, kRender, "", "1", 1e-3, 1e6, "", kPicture, false,
@@ -125,9 +140,9 @@ OptionSpec{"memory", "--memory", "SIZE", T::Bytes, kReaders, "bytes", "=the cont
     "All that the process may hold; K, M, G are powers of 1024. Does not change the result."},
 OptionSpec{"threads", "--threads", "N", T::Count, kReaders | kGenerate, "", "=all of the machine", 1, kMostThreads, "", kResources, false,
     "Threads that work at once. Does not change the result."},
-OptionSpec{"temp_dir", "--temp-dir", "DIR", T::Path, kTargets, "", "=TMPDIR, else /tmp", 0, 0, "", kResources, false,
+OptionSpec{"temp_dir", "--temp-dir", "DIR", T::Path, kTargets | kMeasure, "", "=TMPDIR, else /tmp", 0, 0, "", kResources, false,
     "Folder for temporary files, which are made when memory runs short."},
-OptionSpec{"max_temp", "--max-temp", "SIZE", T::Bytes, kTargets, "bytes", "=no limit", 1, 0x1p62, "", kResources, false,
+OptionSpec{"max_temp", "--max-temp", "SIZE", T::Bytes, kTargets | kMeasure, "bytes", "=no limit", 1, 0x1p62, "", kResources, false,
     "Most disk space that temporary files may take."},
 
 OptionSpec{"report", "--report", "FILE", T::Path, kSimplify | kMeasure, "", "", 0, 0, "", kOutput, false,
@@ -153,8 +168,8 @@ CommandSpec{Command::Plan, "plan", "INPUT TARGET [options]",
     "Memory, disk and time that simplify would need, before any work."},
 CommandSpec{Command::Generate, "generate", "OUTPUT [options]",
     "Write a scan-like test surface of any size."},
-CommandSpec{Command::Render, "render", "INPUT -o OUTPUT [options]",
-    "Draw a shaded picture of a mesh."},
+CommandSpec{Command::Render, "render", "INPUT [AFTER] [--map MAP] -o OUTPUT [options]",
+    "Draw a shaded picture of a mesh, or of several side by side."},
 CommandSpec{Command::Help, "help", "[COMMAND] [options]",
     "Explain a command."},
 };

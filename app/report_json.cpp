@@ -124,6 +124,25 @@ Json to_value(const StageReport& r) {
             {"peak_resident_bytes", r.peak_resident_bytes}};
 }
 
+Json to_value(const DistanceBin& b) {
+    return {{"from", b.from}, {"to", b.to}, {"n", b.n}};
+}
+
+Json to_value(const DistanceQuantile& q) {
+    return {{"share", q.share}, {"distance", q.distance}};
+}
+
+Json to_value(const WorstPlace& w) {
+    return {{"point", to_value(w.point)}, {"distance", w.distance}};
+}
+
+template <typename T>
+Json to_list(const std::vector<T>& items) {
+    Json list = Json::array();
+    for (const T& item : items) list.push_back(to_value(item));
+    return list;
+}
+
 Json to_value(const DistanceReport& r) {
     return {{"maximum", r.maximum},
             {"mean", r.mean},
@@ -133,14 +152,9 @@ Json to_value(const DistanceReport& r) {
             {"vertex_rms", r.vertex_rms},
             {"n_vertices", r.n_vertices},
             {"n_samples", r.n_samples},
-            {"worst", to_value(r.worst)}};
-}
-
-template <typename T>
-Json to_list(const std::vector<T>& items) {
-    Json list = Json::array();
-    for (const T& item : items) list.push_back(to_value(item));
-    return list;
+            {"quantiles", to_list(r.quantiles)},
+            {"histogram", to_list(r.histogram)},
+            {"worst", to_list(r.worst)}};
 }
 
 Json to_value(const Value& value) {
@@ -218,6 +232,8 @@ std::string to_json(const MeasureReport& r, const Arguments& arguments) {
                  {"diagonal", r.bounds.diagonal()},
                  {"original_triangles", r.original_triangles},
                  {"simplified_triangles", r.simplified_triangles},
+                 {"map_range", r.map_range},
+                 {"temp_bytes_written", r.temp_bytes_written},
                  {"seconds", r.seconds},
                  {"peak_resident_bytes", r.peak_resident_bytes}});
 }

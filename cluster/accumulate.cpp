@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "ooc/parallel.h"
+#include "ooc/vector_clones.h"
 
 namespace hewer::cluster {
 
@@ -21,15 +22,6 @@ std::pair<ooc::Array<CellTriple>, std::uint64_t> TripleList::pop_piece() {
 }
 
 namespace {
-
-// The kernel of the pass is compiled for wider vectors too and chosen at start-up; without fused
-// multiply-add both give the same bits. Sanitizers do not get along with such choices.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define HEWER_VECTOR_CLONES __attribute__((target_clones("avx2", "default")))
-#else
-#define HEWER_VECTOR_CLONES
-#endif
 
 // Areas add up as integers too: the report must not depend on the order of the batches.
 constexpr double kAreaScale = 1024;

@@ -12,13 +12,8 @@
 
 namespace hewer::cluster {
 
-/// Every corner is a number; numbers are put into buckets by range of vertices, in the order of the
-/// corners. Range by range, with its vertices in memory, a bucket's numbers become points in the
-/// same order. A second pass over the triangles takes the points of its corners from the buckets,
-/// each of which is read front to back: so nothing is sorted and no place is stored.
-///
-/// Two passes over the triangles and one over the vertices. Disk: 4 bytes a corner, then 12;
-/// memory: 12 bytes a vertex of a range, `range_bytes` in all, and a page for each range.
+/// The triangles of the source, by streaming::CornerJoin: two passes over the triangles and one
+/// over the vertices, 12 bytes a vertex for those of a range, `range_bytes` in all.
 ///
 /// @param spooled  the vertices, if the source cannot seek.
 PartitionFindings join_vertices(ooc::Context& context, MeshSource& source,

@@ -20,6 +20,7 @@
 #include <cstdint>
 
 #include "hewer/types.h"
+#include "ooc/vector_clones.h"
 
 namespace hewer::measuring {
 
@@ -70,12 +71,12 @@ class Lattice {
 };
 
 /// As doubles, exactly.
-inline Vec3 to_double(const LatticePoint& p) {
+HEWER_INLINE Vec3 to_double(const LatticePoint& p) {
     return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
 }
 
 /// Twice the area, along the normal: exact before the last rounding to double.
-inline Vec3 double_area_normal(const LatticeTriangle& t) {
+HEWER_INLINE Vec3 double_area_normal(const LatticeTriangle& t) {
     std::array<std::int64_t, 3> u{};
     std::array<std::int64_t, 3> v{};
     for (std::size_t i = 0; i < 3; ++i) {

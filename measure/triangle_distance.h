@@ -8,24 +8,25 @@
 
 #include "hewer/types.h"
 #include "measure/lattice.h"
+#include "ooc/vector_clones.h"
 
 namespace hewer::measuring {
 
 namespace detail {
 
-inline Vec3 minus(const Vec3& a, const Vec3& b) {
+HEWER_INLINE Vec3 minus(const Vec3& a, const Vec3& b) {
     return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
-inline double dot(const Vec3& a, const Vec3& b) {
+HEWER_INLINE double dot(const Vec3& a, const Vec3& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
-inline Vec3 cross(const Vec3& a, const Vec3& b) {
+HEWER_INLINE Vec3 cross(const Vec3& a, const Vec3& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
 /// From the point at `from_start` (relative to the start of the segment) to the segment along
 /// `edge`.
-inline double squared_distance_to_segment(const Vec3& from_start, const Vec3& edge) {
+HEWER_INLINE double squared_distance_to_segment(const Vec3& from_start, const Vec3& edge) {
     const double along = dot(from_start, edge);
     const double length2 = dot(edge, edge);
     const double t = along <= 0 ? 0 : (along >= length2 ? 1 : along / length2);
@@ -37,15 +38,17 @@ inline double squared_distance_to_segment(const Vec3& from_start, const Vec3& ed
 }  // namespace detail
 
 /// Squared distance in square steps from `q` (in steps) to the closed triangle `t`, which may be
-/// degenerate: a segment or a point. Infinity may stand for a distance above `limit`.
+/// degenerate: a segment or a point. Infinity may stand for a result above `limit`, and for no
+/// other: so the least of the results over some triangles has the same bits whatever the order and
+/// the limits with which they are visited.
 ///
 /// Over the inside of the triangle it is the distance to its plane, elsewhere the least distance to
 /// those edges that have `q` on their outer side. Unlike the walk over Voronoi regions (Ericson,
 /// Real-Time Collision Detection, 5.1.5) no quotient of cancelling terms decides where the closest
 /// point lies: needles of any aspect come out right to a few units of rounding of the distance
 /// between `q` and the triangle's corners.
-inline double squared_distance(const Vec3& q, const LatticeTriangle& t,
-                               double limit = std::numeric_limits<double>::infinity()) {
+HEWER_INLINE double squared_distance(const Vec3& q, const LatticeTriangle& t,
+                                     double limit = std::numeric_limits<double>::infinity()) {
     using namespace detail;
     const Vec3 a = to_double(t[0]);
     const Vec3 b = to_double(t[1]);
@@ -56,7 +59,9 @@ inline double squared_distance(const Vec3& q, const LatticeTriangle& t,
     double to_plane2 = 0;
     if (n2 > 0) {
         const double h = dot(qa, n);
-        if (h * h > limit * n2) return std::numeric_limits<double>::infinity();
+        // The product and the quotient below are rounded differently.
+        constexpr double kSlack = 1 + 0x1p-48;
+        if (h * h > limit * n2 * kSlack) return std::numeric_limits<double>::infinity();
         to_plane2 = h * h / n2;
     }
     const Vec3 qb = minus(q, b);
@@ -72,7 +77,7 @@ inline double squared_distance(const Vec3& q, const LatticeTriangle& t,
     if (outside_ab || n2 <= 0) least = squared_distance_to_segment(qa, ab);
     if (outside_bc || n2 <= 0) least = std::min(least, squared_distance_to_segment(qb, bc));
     if (outside_ca || n2 <= 0) least = std::min(least, squared_distance_to_segment(qc, ca));
-    return least;
+    return std::max(least, to_plane2);
 }
 
 }  // namespace hewer::measuring

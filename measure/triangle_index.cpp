@@ -9,6 +9,7 @@
 #include "measure/triangle_distance.h"
 #include "measure/triangle_order.h"
 #include "ooc/parallel.h"
+#include "ooc/vector_clones.h"
 
 namespace hewer::measuring {
 
@@ -23,17 +24,17 @@ std::uint64_t divide_up(std::uint64_t a, std::uint64_t b) {
 /// What box distances are compared with. They are computed in float from exact integer differences:
 /// one rounding each for the conversion, the square and the sums, below 2^-21 of the result
 /// together. The limit gets more than that.
-float with_slack(double squared_distance) {
+HEWER_INLINE float with_slack(double squared_distance) {
     return static_cast<float>(squared_distance * (1.0 + 0x1p-20));
 }
 
 /// How far x is outside of [lo, hi].
-std::int32_t outside(std::int32_t lo, std::int32_t hi, std::int32_t x) {
+HEWER_INLINE std::int32_t outside(std::int32_t lo, std::int32_t hi, std::int32_t x) {
     return std::max(std::max(lo - x, x - hi), 0);
 }
 
 /// Squared, from `p`, a point rounded to the lattice, to the box of `t` made a step wider for that.
-float triangle_box_distance(const LatticeTriangle& t, const LatticePoint& p) {
+HEWER_INLINE float triangle_box_distance(const LatticeTriangle& t, const LatticePoint& p) {
     float sum = 0;
     for (std::size_t k = 0; k < 3; ++k) {
         const std::int32_t lo = std::min(std::min(t[0][k], t[1][k]), t[2][k]) - 1;
@@ -47,7 +48,7 @@ float triangle_box_distance(const LatticeTriangle& t, const LatticePoint& p) {
 /// Asks for the cache lines of what is likely to be read soon: a search in a large index spends a
 /// quarter of its time waiting for them.
 template <std::size_t kBytes>
-void prefetch(const void* address) {
+HEWER_INLINE void prefetch(const void* address) {
     constexpr std::size_t kLine = 64;
     for (std::size_t i = 0; i < kBytes; i += kLine) {
         __builtin_prefetch(static_cast<const char*>(address) + i);
@@ -146,8 +147,8 @@ void TriangleIndex::fill_inner_nodes(std::size_t level, std::uint64_t begin, std
     }
 }
 
-std::array<float, TriangleIndex::kFanOut> TriangleIndex::child_distances(const Node& node,
-                                                                         const LatticePoint& p) {
+HEWER_INLINE std::array<float, TriangleIndex::kFanOut> TriangleIndex::child_distances(
+    const Node& node, const LatticePoint& p) {
     std::array<float, kFanOut> d2;
     for (std::size_t c = 0; c < kFanOut; ++c) {
         float sum = 0;
@@ -160,21 +161,23 @@ std::array<float, TriangleIndex::kFanOut> TriangleIndex::child_distances(const N
     return d2;
 }
 
-void TriangleIndex::search_leaf(std::uint64_t leaf, const Vec3& q, const LatticePoint& p,
-                                Nearest& best, float& limit) const {
+HEWER_INLINE void TriangleIndex::search_leaf(std::uint64_t leaf, const Vec3& q,
+                                             const LatticePoint& p, Nearest& best,
+                                             float& limit) const {
     const std::uint64_t end = std::min<std::uint64_t>(n_, (leaf + 1) * kLeaf);
     for (std::uint64_t t = leaf * kLeaf; t < end; ++t) {
         // Each triangle's own box spares many of the exact distances: a seventh of the time.
         if (triangle_box_distance(triangles_[t], p) > limit) continue;
         const double d = squared_distance(q, triangles_[t], best.squared_distance);
-        if (d < best.squared_distance) {
+        if (d < best.squared_distance || (d == best.squared_distance && t < best.triangle)) {
             best = {d, t};
             limit = with_slack(d);
         }
     }
 }
 
-TriangleIndex::Nearest TriangleIndex::nearest(const Vec3& q, std::uint64_t guess) const {
+HEWER_VECTOR_CLONES TriangleIndex::Nearest TriangleIndex::nearest(const Vec3& q,
+                                                                  std::uint64_t guess) const {
     Nearest best{squared_distance(q, triangles_[guess]), guess};
     float limit = with_slack(best.squared_distance);
     LatticePoint p{};

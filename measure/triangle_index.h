@@ -45,8 +45,24 @@ class TriangleIndex {
 
     /// The triangle nearest to `q` (in steps, each coordinate within +-kLatticeRadius). `guess` is
     /// any triangle; the nearer it is to `q`, the shorter the search. Of several at the same
-    /// distance any may be named, the same one for the same guess. Thread-safe.
+    /// distance the first is named: the result does not depend on the guess. Thread-safe.
     [[nodiscard]] Nearest nearest(const Vec3& q, std::uint64_t guess) const;
+
+    /// Points that follow each other, most of them near the one before: each search begins with
+    /// what the last one found. One thread.
+    class Walk {
+      public:
+        explicit Walk(const TriangleIndex& index) : index_(&index) {}
+        Nearest nearest(const Vec3& q) {
+            const Nearest found = index_->nearest(q, last_);
+            last_ = found.triangle;
+            return found;
+        }
+
+      private:
+        const TriangleIndex* index_;
+        std::uint64_t last_ = 0;
+    };
 
     /// Bytes for `n` triangles, the triangles included.
     static std::uint64_t bytes(std::uint64_t n);

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
-/// render(): bounds, then positions, then triangles, each a pass of the source.
+/// render(): bounds of all meshes, then for each its positions and its triangles; each is a pass of
+/// the source.
 #include "hewer/render.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <mutex>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "hewer/error.h"
 #include "ooc/array.h"
@@ -64,17 +67,19 @@ raster::Camera make_camera(const RenderOptions& options, double diagonal) {
     return camera;
 }
 
-/// One picture: the mesh, its bounds, and what is kept of its vertices.
+/// One mesh and what is kept of its vertices.
 class Picture {
   public:
-    Picture(MeshSource& mesh, const RenderOptions& options, const Hooks& hooks)
+    Picture(ooc::Context& context, MeshSource& mesh, const RenderOptions& options)
         : mesh_(mesh),
           options_(options),
           has_paint_(options.use_colors && mesh.info().has_colors),
-          context_({.memory_bytes = options.memory_bytes, .n_threads = options.n_threads}, hooks,
-                   {{"bounds", 1}, {"vertices", 1}, {"triangles", 4}}) {}
+          context_(context) {}
 
-    void draw(const std::filesystem::path& png);
+    [[nodiscard]] Bounds find_bounds();
+    /// Fills `pixels` with options.width x options.height of them; `bounds` are those of all meshes
+    /// that are to be seen alike.
+    void draw(const Bounds& bounds, std::span<std::uint8_t> pixels);
 
   private:
     /// Calls body(batch) for all batches of a pass, on all threads.
@@ -85,7 +90,6 @@ class Picture {
             while ((mesh_.*next)(batch)) body(batch);
         });
     }
-    void find_bounds();
     void keep_vertices();
     void draw_triangles(raster::Rasteriser& rasteriser);
     [[nodiscard]] Vec3 position(std::uint64_t vertex) const {
@@ -96,18 +100,18 @@ class Picture {
     MeshSource& mesh_;
     const RenderOptions& options_;
     bool has_paint_;
-    ooc::Context context_;
-    Bounds bounds_;
+    ooc::Context& context_;
     Vec3 center_{};
     ooc::Array<float> positions_;                    // relative to center_
     ooc::Array<std::array<std::uint8_t, 3>> paint_;  // of vertices
 };
 
-void Picture::find_bounds() {
+Bounds Picture::find_bounds() {
+    Bounds bounds;
     std::mutex mutex;
     const auto merge = [&](const Bounds& part) {
         const std::lock_guard lock(mutex);
-        bounds_.extend(part);
+        bounds.extend(part);
     };
     const SourceInfo& info = mesh_.info();
     context_.begin_stage("bounds", info.is_indexed ? info.n_vertices : info.n_faces,
@@ -134,7 +138,7 @@ void Picture::find_bounds() {
         });
     }
     context_.end_stage();
-    if (!bounds_.is_empty()) center_ = bounds_.center();
+    return bounds;
 }
 
 void Picture::keep_vertices() {
@@ -190,32 +194,68 @@ void Picture::draw_triangles(raster::Rasteriser& rasteriser) {
     context_.end_stage();
 }
 
-void Picture::draw(const std::filesystem::path& png) {
-    ooc::OutputFile file(png, options_.overwrite);  // refuses before the work, not after
-    find_bounds();
+void Picture::draw(const Bounds& bounds, std::span<std::uint8_t> pixels) {
+    if (!bounds.is_empty()) center_ = bounds.center();
     if (mesh_.info().is_indexed) keep_vertices();
     raster::Style style;
     style.edges = options_.edges;
-    ooc::Array<std::uint8_t> pixels(context_.budget(), "picture",
-                                    std::uint64_t{3} * options_.width * options_.height);
-    {
-        raster::Rasteriser rasteriser(context_.budget(), options_.width, options_.height,
-                                      make_camera(options_, bounds_.diagonal()), style);
-        draw_triangles(rasteriser);
-        positions_.release();
-        paint_.release();
-        rasteriser.resolve(pixels.span());
+    raster::Rasteriser rasteriser(context_.budget(), options_.width, options_.height,
+                                  make_camera(options_, bounds.diagonal()), style);
+    draw_triangles(rasteriser);
+    positions_.release();
+    paint_.release();
+    rasteriser.resolve(pixels);
+}
+
+/// Copies rows of `panel` to where they belong in `picture`, `n` panels wide.
+void place_panel(std::span<const std::uint8_t> panel, std::size_t row_bytes, std::size_t i,
+                 std::size_t n, std::span<std::uint8_t> picture) {
+    for (std::size_t row = 0; row * row_bytes < panel.size(); ++row) {
+        const auto from = panel.subspan(row * row_bytes, row_bytes);
+        std::copy(from.begin(), from.end(),
+                  picture.subspan((row * n + i) * row_bytes, row_bytes).begin());
     }
-    raster::write_png(file, pixels.span(), options_.width, options_.height, context_.budget());
-    file.commit();
 }
 
 }  // namespace
 
+void render(std::span<MeshSource* const> meshes, const std::filesystem::path& png,
+            const RenderOptions& options, const Hooks& hooks) {
+    check(options);
+    if (meshes.empty() || meshes.size() * options.width > kMostPixelsASide) {
+        throw InvalidArgument(std::to_string(meshes.size()) + " pictures of " +
+                              std::to_string(options.width) +
+                              " pixels side by side: their widths must add up to 1 .. " +
+                              std::to_string(kMostPixelsASide));
+    }
+    std::vector<ooc::StageWeight> stages;
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+        stages.insert(stages.end(), {{"bounds", 1}, {"vertices", 1}, {"triangles", 4}});
+    }
+    ooc::Context context({.memory_bytes = options.memory_bytes, .n_threads = options.n_threads},
+                         hooks, stages);
+    ooc::OutputFile file(png, options.overwrite);  // refuses before the work, not after
+    Bounds bounds;
+    for (MeshSource* mesh : meshes) bounds.extend(Picture(context, *mesh, options).find_bounds());
+    const std::size_t row_bytes = std::size_t{3} * options.width;
+    ooc::Array<std::uint8_t> picture(context.budget(), "picture",
+                                     meshes.size() * row_bytes * options.height);
+    {
+        ooc::Array<std::uint8_t> panel(context.budget(), "picture", row_bytes * options.height);
+        for (std::size_t i = 0; i < meshes.size(); ++i) {
+            Picture(context, *meshes[i], options).draw(bounds, panel.span());
+            place_panel(panel.span(), row_bytes, i, meshes.size(), picture.span());
+        }
+    }
+    raster::write_png(file, picture.span(), static_cast<unsigned>(meshes.size()) * options.width,
+                      options.height, context.budget());
+    file.commit();
+}
+
 void render(MeshSource& mesh, const std::filesystem::path& png, const RenderOptions& options,
             const Hooks& hooks) {
-    check(options);
-    Picture(mesh, options, hooks).draw(png);
+    MeshSource* const one = &mesh;
+    render(std::span(&one, 1), png, options, hooks);
 }
 
 }  // namespace hewer

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 
 #include "hewer/mesh_source.h"
 #include "hewer/progress.h"
@@ -27,9 +28,16 @@ struct RenderOptions {
 /// Orthographic view, flat shading from triangle normals, 2x2 supersampling, written as PNG. Back
 /// faces are drawn in a warning colour, so that flipped triangles and holes show. Equal options
 /// give equal pictures for any thread count. Azimuth 0 looks from -y (z up) or from +z (y up).
-/// Memory: 12 bytes a vertex (15 with colours) and 35 bytes a pixel. Throws: InvalidArgument,
+/// Memory: 12 bytes a vertex (15 with colours) and 38 bytes a pixel. Throws: InvalidArgument,
 /// FormatError, IoError, OutOfMemoryBudget, Cancelled.
 void render(MeshSource& mesh, const std::filesystem::path& png, const RenderOptions& options,
             const Hooks& hooks = {});
+
+/// Several meshes side by side in one picture, each of the size in the options: the camera is the
+/// same for all and fits the box around all of them, so that before, after and a map of the error
+/// can be compared. One mesh after the other is in memory; 3 bytes for each pixel of the whole
+/// picture.
+void render(std::span<MeshSource* const> meshes, const std::filesystem::path& png,
+            const RenderOptions& options, const Hooks& hooks = {});
 
 }  // namespace hewer

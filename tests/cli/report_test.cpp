@@ -120,15 +120,51 @@ TEST(CliReport, of_measure_has_all_figures) {
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_NE(outcome.out.find("maximum"), std::string::npos) << outcome.out;
     const json report = json::parse(read_file(dir.file("report.json")));
-    EXPECT_EQ(keys_of(report), (Keys{"version", "command", "options", "forward", "backward",
-                                     "bounds", "diagonal", "original_triangles",
-                                     "simplified_triangles", "seconds", "peak_resident_bytes"}));
-    const Keys distance{"maximum",    "mean",       "rms",       "vertex_maximum", "vertex_mean",
-                        "vertex_rms", "n_vertices", "n_samples", "worst"};
+    EXPECT_EQ(keys_of(report),
+              (Keys{"version", "command", "options", "forward", "backward", "bounds", "diagonal",
+                    "original_triangles", "simplified_triangles", "map_range", "temp_bytes_written",
+                    "seconds", "peak_resident_bytes"}));
+    const Keys distance{"maximum",     "mean",       "rms",        "vertex_maximum",
+                        "vertex_mean", "vertex_rms", "n_vertices", "n_samples",
+                        "quantiles",   "histogram",  "worst"};
     EXPECT_EQ(keys_of(report["forward"]), distance);
     EXPECT_EQ(keys_of(report["backward"]), distance);
     EXPECT_EQ(report["original_triangles"], 1800);
     EXPECT_GT(report["forward"]["maximum"], 0);
+}
+
+TEST(CliReport, of_measure_has_the_range_of_the_map_and_a_picture_shows_it) {
+    const ScratchDir dir;
+    write_hills(dir.file("in.ply"), 30);
+    write_hills(dir.file("coarse.ply"), 15);
+    for (const char* which : {"simplified", "original"}) {
+        const Outcome outcome =
+            run_program({"measure", dir.file("in.ply"), dir.file("coarse.ply"), "--samples", "10k",
+                         "--map", dir.file("map.ply"), "--map-of", which, "--map-range", "0.25",
+                         "--report", dir.file("report.json"), "--force"});
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_NE(outcome.out.find("yellow is 0.25"), std::string::npos) << outcome.out;
+        EXPECT_EQ(json::parse(read_file(dir.file("report.json")))["map_range"], 0.25);
+        const Outcome info = run_program({"info", dir.file("map.ply"), "--json"});
+        EXPECT_EQ(json::parse(info.out)["has_colors"], true);
+        EXPECT_EQ(json::parse(info.out)["triangles"],
+                  std::string(which) == "original" ? 1800 : 450);
+    }
+    const Outcome picture =
+        run_program({"render", dir.file("in.ply"), dir.file("coarse.ply"), "--map",
+                     dir.file("map.ply"), "--size", "40x30", "-o", dir.file("all.png")});
+    ASSERT_EQ(picture.code, 0) << picture.err;
+    // Width and height in the header of a PNG: three times 40, 30.
+    EXPECT_EQ(read_file(dir.file("all.png")).substr(16, 8), std::string("\0\0\0x\0\0\0\x1e", 8));
+}
+
+TEST(CliMeasure, refuses_a_limit_that_is_too_small_and_names_one) {
+    const ScratchDir dir;
+    write_hills(dir.file("in.ply"), 30);
+    const Outcome outcome = run_program(
+        {"measure", dir.file("in.ply"), dir.file("in.ply"), "--memory", "20M", "--threads", "2"});
+    EXPECT_EQ(outcome.code, 5);
+    EXPECT_NE(outcome.err.find("raise --memory to more than"), std::string::npos) << outcome.err;
 }
 
 TEST(CliPlan, prints_json_on_request) {

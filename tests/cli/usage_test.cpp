@@ -103,6 +103,12 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"plan_no_target", {"plan", "absent.ply", "--memory", "1G"}, "no target"},
         Refusal{"generate_obj", {"generate", "a.obj"}, "hewer writes .ply here"},
         Refusal{"render_jpg", {"render", "a.ply", "-o", "a.jpg"}, "hewer writes .png here"},
+        Refusal{
+            "map_obj", {"measure", "a.ply", "b.ply", "--map", "c.obj"}, "hewer writes .ply here"},
+        Refusal{"map_of_no_map",
+                {"measure", "a.ply", "b.ply", "--map-of", "original"},
+                "say what --map shows"},
+        Refusal{"map_is_input", {"measure", "a.ply", "b.ply", "--map", "b.ply"}, "would replace"},
         Refusal{"huge_picture",
                 {"render", "a.ply", "-o", "a.png", "--size", "99999x2"},
                 "is above 32768"}),

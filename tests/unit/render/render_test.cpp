@@ -246,6 +246,38 @@ TEST_F(Render, AnEmptyMeshGivesTheBackground) {
     EXPECT_EQ(draw(Mesh{}).share(is_background), 1);
 }
 
+TEST_F(Render, SeveralMeshesStandSideBySideBeforeTheSameCamera) {
+    const Mesh large = cube();
+    Mesh small = cube();
+    for (Vec3& p : small.positions) p = {0.5 * p[0] + 0.5, 0.5 * p[1], 0.5 * p[2]};
+    small.colors.assign(small.positions.size(), {0, 65535, 0, 65535});
+    const auto a = view_mesh(large);
+    const auto b = view_mesh(small);
+    const std::array<MeshSource*, 3> meshes{a.get(), b.get(), a.get()};
+    RenderOptions options = front();
+    options.overwrite = true;
+    render(meshes, folder_ / "picture.png", options);
+    const Image image = read_png(folder_ / "picture.png");
+    ASSERT_EQ(image.width, 600U);
+    ASSERT_EQ(image.height, 120U);
+    const Image alone = draw(large, front());
+    for (const unsigned x : {10U, 70U, 100U, 133U, 190U}) {
+        for (const unsigned y : {5U, 30U, 60U, 100U}) {
+            EXPECT_EQ(image.at(x, y), alone.at(x, y));
+            EXPECT_EQ(image.at(400 + x, y), alone.at(x, y));
+        }
+    }
+    // The small one fills the right middle of the square that the large one does.
+    EXPECT_EQ(image.at(200 + 117, 60)[0], 0);
+    EXPECT_TRUE(is_background(image.at(200 + 90, 60)));
+    EXPECT_TRUE(is_background(image.at(200 + 117, 40)));
+    EXPECT_FALSE(is_background(image.at(90, 40)));
+    EXPECT_THROW(render(std::span<MeshSource* const>(), folder_ / "none.png", options),
+                 InvalidArgument);
+    options.width = 20'000;
+    EXPECT_THROW(render(meshes, folder_ / "none.png", options), InvalidArgument);
+}
+
 TEST_F(Render, RefusesBadOptionsAndExistingFiles) {
     const Mesh mesh = cube();
     const auto source = view_mesh(mesh);
