@@ -81,7 +81,6 @@ class DistanceTally {
         squares_.add(other.squares_);
         histogram_.add(other.histogram_);
     }
-    void clear() { *this = DistanceTally(per_diagonal2_ > 0 ? 1 / std::sqrt(per_diagonal2_) : 0); }
 
     [[nodiscard]] std::uint64_t n() const { return n_; }
     [[nodiscard]] double mean() const {

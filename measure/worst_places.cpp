@@ -57,8 +57,4 @@ std::vector<WorstPlaces::Place> WorstPlaces::worst(std::size_t n) const {
     return found;
 }
 
-void WorstPlaces::clear() {
-    std::fill(places_.begin(), places_.end(), Place{});
-}
-
 }  // namespace hewer::measuring

@@ -46,7 +46,6 @@ class WorstPlaces {
     }
     /// The worst `n` at most, worst first.
     [[nodiscard]] std::vector<Place> worst(std::size_t n) const;
-    void clear();
 
     static constexpr std::uint64_t kMostBytes = 36ULL * 36 * 36 * sizeof(Place);
 
