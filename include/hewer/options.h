@@ -52,7 +52,7 @@ struct SimplifyOptions {
     std::optional<Bounds> bounds;
 
     /// Weight of the border quadrics against the surface quadrics. 0: borders may wander.
-    double border_weight = 3.0;
+    double border_weight = 30.0;
 
     /// Rounds in which the vertices of each LOD are moved, as a whole, towards the original surface;
     /// 0: none. Unset: what the method calls for (none for Uniform, none under an error bound).
