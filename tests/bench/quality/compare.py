@@ -104,7 +104,7 @@ def compare(case, bars):
         bars["time"].ratios[case.key] = (ours["seconds"] /
                                          min(theirs["seconds"], theirs["cpu_seconds"]))
     ratios = {peer: ratio(ours["image_rms"], theirs["image_rms"])
-              for peer, (ours, theirs) in pairs.items() if "image_rms" in theirs}
+              for peer, (ours, theirs) in pairs.items() if "image_rms" in ours and "image_rms" in theirs}
     if ratios:
         best["image"] = max(ratios, key=ratios.get)
         bars["image"].ratios[case.key] = ratios[best["image"]]
