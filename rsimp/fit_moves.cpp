@@ -16,6 +16,9 @@ namespace {
 constexpr double kDamping = .005;
 // A majorised step is too short where neighbours agree; this much longer it still descends.
 constexpr double kOverRelaxation = 1.5;
+// Cosine between a point's normal and its face's below which they belong to different sheets. Noise
+// turns normals far, but hardly over.
+constexpr double kLeastCosine = -0.2;
 // Cosines of how far a face may turn in a round, and in all of them.
 constexpr double kMostTurn = 0.5;
 constexpr double kMostTurnOfAll = 0.17;
@@ -156,6 +159,8 @@ void FitMoves::pull(std::span<const WeightedPoint> points) {
         const Vec3 residual = p - (foot.weights[0] * a + foot.weights[1] * b + foot.weights[2] * c);
         const double length = std::sqrt(dot(residual, residual));
         Vec3 n = unit(cross(b - a, c - a));
+        const Vec3 front{point.normal[0], point.normal[1], point.normal[2]};
+        if (dot(n, front) < kLeastCosine) continue;
         if (!foot.is_inside && length > kTiny) n = (1 / length) * residual;
         const double d = dot(residual, n);
         for (std::size_t k = 0; k < 3; ++k) {

@@ -15,6 +15,7 @@ namespace hewer::rsimp {
 struct WeightedPoint {
     Point3f position;
     float weight;
+    Point3f normal;  ///< about a unit long
 };
 
 /// A piece of mesh. The first `n_own` vertices are its own; all of their faces are here, and all
@@ -34,7 +35,8 @@ struct FitPiece {
 /// half, and no vertex goes farther than its longest residual.
 class FitMoves {
   public:
-    /// Points farther than `most_distance` belong to something that has vanished and do not pull.
+    /// Points farther than `most_distance` belong to something that has vanished and do not pull;
+    /// nor do points whose nearest face shows them its back. Those not much nearer pull less.
     FitMoves(const FitPiece& piece, double most_distance);
 
     /// In an order where neighbours follow one another; the sums depend on it in their last bits.

@@ -17,10 +17,14 @@ constexpr std::uint64_t kFacesPerRun = 512;
 constexpr std::uint64_t kSamplesPerRun = 1024;
 constexpr std::uint64_t kVerticesPerPiece = 1 << 12;
 // More samples for each vertex would cost time and change next to nothing.
-constexpr std::uint64_t kMostSamplesPerVertex = 16;
+constexpr std::uint64_t kEnoughSamplesPerVertex = 24;
 
 VertexId id_at(const MeshStore& mesh, std::uint64_t rank) {
     return mesh.vertices.size() > 0 ? mesh.vertices.at(rank).id : 0;
+}
+
+Point3f to_single(const Vec3& p) {
+    return {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
 }
 
 std::uint64_t n_runs(std::uint64_t n, std::uint64_t per_run) {
@@ -135,8 +139,9 @@ void FitRegions::find_boxes_of_samples(ooc::Context& context) {
         context.check_stop();
     }
     const std::uint64_t n = std::max<std::uint64_t>(1, mesh_.vertices.size());
+    const std::uint64_t enough = kEnoughSamplesPerVertex * n;
     spacing_ = std::sqrt(area / static_cast<double>(n));
-    stride_ = std::max<std::uint64_t>(1, samples_.size() / (kMostSamplesPerVertex * n));
+    stride_ = std::max<std::uint64_t>(1, (samples_.size() + enough / 2) / enough);
 }
 
 /// Counts whole runs.
@@ -234,9 +239,7 @@ void FitRegions::for_samples(
             place.extend(p);
             if (!box.meets(place, reach)) continue;
             const Vec3 q = p - centre;
-            points.push_back(
-                {{static_cast<float>(q[0]), static_cast<float>(q[1]), static_cast<float>(q[2])},
-                 samples[i].area()});
+            points.push_back({to_single(q), samples[i].area(), to_single(samples[i].normal())});
         }
         if (!points.empty()) visit(points);
     }

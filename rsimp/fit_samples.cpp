@@ -5,42 +5,153 @@
 #include <cmath>
 #include <vector>
 
+#include "ooc/spool_cache.h"
+#include "rsimp/blocks_in_flight.h"
+
 namespace hewer::rsimp {
 
 namespace {
-constexpr std::uint64_t kPiece = 1 << 12;
+
+using cluster::CellBlocks;
+using cluster::CellRecord;
+using cluster::CellTriple;
+
+Vec3 mean_of(std::uint64_t code, const CellRecord& record) {
+    const auto beyond = record.mean_beyond();
+    Vec3 mean = cluster::center_of(code);
+    for (std::size_t k = 0; k < 3; ++k) mean[k] += static_cast<double>(record.mean[k]) + beyond[k];
+    return mean;
 }
 
-ooc::Spool<FitSample> collect_samples(ooc::Context& context, const cluster::CellBlocks& cells) {
-    ooc::Spool<FitSample> samples(context, "samples of the surface");
-    std::vector<cluster::CellRecord> records;
-    std::vector<std::uint64_t> codes;
-    std::vector<FitSample> piece;
-    for (std::uint64_t first = 0; first < cells.n_cells(); first += kPiece) {
-        const std::uint64_t n = std::min(kPiece, cells.n_cells() - first);
-        records.resize(n);
-        codes.resize(n);
-        piece.clear();
-        cells.cells.read(first, records);
-        cells.codes.read(first, codes);
+double sign_of(double x) {
+    return x < 0 ? -1 : 1;
+}
+
+/// The means of the cells of one block, and of single ones of others.
+class CellMeans {
+  public:
+    CellMeans(const CellBlocks& cells, std::size_t block)
+        : first_(cells.blocks[block].first_cell), codes_(cells.codes), records_(cells.cells) {
+        const std::uint64_t n = cells.blocks[block + 1].first_cell - first_;
+        std::vector<CellRecord> records(n);
+        std::vector<std::uint64_t> codes(n);
+        cells.cells.read(first_, records);
+        cells.codes.read(first_, codes);
+        means_.reserve(n);
+        areas_.reserve(n);
         for (std::uint64_t i = 0; i < n; ++i) {
-            const cluster::CellRecord& record = records[i];
-            if (!(record.area > 0)) continue;
-            FitSample sample{codes[i], {}, 0};
-            const auto beyond = record.mean_beyond();
-            for (std::size_t k = 0; k < 3; ++k) {
-                const double offset = static_cast<double>(record.mean[k]) + beyond[k];
-                sample.offset[k] = static_cast<std::int16_t>(
-                    std::clamp(std::lround(offset * 32768), -16384L, 16384L));
-            }
-            constexpr std::uint32_t kLeast = 1;  // subnormal, but above 0
-            const std::uint32_t bits = std::bit_cast<std::uint32_t>(record.area) >> 16;
-            sample.area_bits = static_cast<std::uint16_t>(std::max(bits, kLeast));
-            piece.push_back(sample);
+            means_.push_back(mean_of(codes[i], records[i]));
+            areas_.push_back(records[i].area);
         }
-        samples.append(piece);
-        context.check_stop();
     }
+    [[nodiscard]] bool has(std::uint64_t cell) const { return cell - first_ < means_.size(); }
+    [[nodiscard]] std::uint64_t size() const { return means_.size(); }
+    [[nodiscard]] std::uint64_t first() const { return first_; }
+    [[nodiscard]] double area(std::uint64_t cell) const { return areas_[cell - first_]; }
+    Vec3 at(std::uint64_t cell) {
+        if (cell - first_ < means_.size()) return means_[cell - first_];
+        return mean_of(codes_.at(cell), records_.at(cell));
+    }
+
+  private:
+    std::uint64_t first_;
+    std::vector<Vec3> means_;
+    std::vector<float> areas_;
+    ooc::SpoolCache<std::uint64_t> codes_;
+    ooc::SpoolCache<CellRecord> records_;
+};
+
+std::vector<FitSample> samples_of(const CellBlocks& cells, std::size_t block, bool of_triangles) {
+    const std::uint64_t first = cells.blocks[block].first_face;
+    std::vector<CellTriple> faces(cells.blocks[block + 1].first_face - first);
+    cells.faces.read(first, faces);
+    // The order of the faces is the threads'; ids are in Morton order.
+    std::sort(faces.begin(), faces.end(), [](const CellTriple& a, const CellTriple& b) {
+        const std::uint32_t middle_a = cluster::median_corner(a);
+        const std::uint32_t middle_b = cluster::median_corner(b);
+        return middle_a != middle_b ? middle_a < middle_b : a < b;
+    });
+    CellMeans means(cells, block);
+    std::vector<Vec3> normals(means.size());
+    std::vector<FitSample> centers;
+    for (CellTriple face : faces) {
+        // From the lowest corner on, so that it does not matter which one comes first.
+        std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
+        const Vec3 a = means.at(face[0]);
+        const Vec3 b = means.at(face[1]);
+        const Vec3 c = means.at(face[2]);
+        const Vec3 n = cross(b - a, c - a);
+        const double length = std::sqrt(dot(n, n));
+        if (!(length > 0)) continue;
+        for (const std::uint32_t cell : face) {
+            if (means.has(cell)) normals[cell - means.first()] = normals[cell - means.first()] + n;
+        }
+        if (!of_triangles) continue;
+        centers.emplace_back((1.0 / 3) * (a + b + c), (1 / length) * n, 0.5 * length);
+    }
+    if (of_triangles) return centers;
+    std::vector<FitSample> samples;
+    samples.reserve(means.size());
+    for (std::uint64_t i = 0; i < means.size(); ++i) {
+        const double length = std::sqrt(dot(normals[i], normals[i]));
+        const std::uint64_t cell = means.first() + i;
+        if (!(length > 0) || !(means.area(cell) > 0)) continue;
+        samples.emplace_back(means.at(cell), (1 / length) * normals[i], means.area(cell));
+    }
+    return samples;
+}
+
+}  // namespace
+
+FitSample::FitSample(const Vec3& position, const Vec3& normal, double area) : place{}, front{} {
+    for (std::size_t k = 0; k < 3; ++k) {
+        place[k] = static_cast<std::uint32_t>(
+            std::llround(std::max(0.0, position[k]) * (1U << kPlaceBits)));
+    }
+    constexpr std::uint32_t kLeast = 1;  // subnormal, but above 0
+    const std::uint32_t bits = std::bit_cast<std::uint32_t>(static_cast<float>(area)) >> 16;
+    area_bits = static_cast<std::uint16_t>(std::max(bits, kLeast));
+    const double sum = std::abs(normal[0]) + std::abs(normal[1]) + std::abs(normal[2]);
+    double x = normal[0] / sum;
+    double y = normal[1] / sum;
+    if (normal[2] < 0) {
+        const double folded = (1 - std::abs(y)) * sign_of(x);
+        y = (1 - std::abs(x)) * sign_of(y);
+        x = folded;
+    }
+    front = {static_cast<std::int8_t>(std::lround(127 * x)),
+             static_cast<std::int8_t>(std::lround(127 * y))};
+}
+
+Vec3 FitSample::normal() const {
+    double x = front[0] / 127.0;
+    double y = front[1] / 127.0;
+    const double z = 1 - std::abs(x) - std::abs(y);
+    if (z < 0) {
+        const double unfolded = (1 - std::abs(y)) * sign_of(x);
+        y = (1 - std::abs(x)) * sign_of(y);
+        x = unfolded;
+    }
+    const double length = std::sqrt(x * x + y * y + z * z);
+    return {x / length, y / length, z / length};
+}
+
+ooc::Spool<FitSample> collect_samples(ooc::Context& context, const CellBlocks& cells,
+                                      bool of_triangles) {
+    ooc::Spool<FitSample> samples(context, "samples of the surface");
+    const LargestBlock largest(cells);
+    const BlocksInFlight in_flight(
+        context, "samples of a block",
+        largest.n_cells * (sizeof(CellRecord) + sizeof(std::uint64_t) + 2 * sizeof(Vec3) +
+                           sizeof(float) + sizeof(FitSample)) +
+            largest.n_faces * (sizeof(CellTriple) + (of_triangles ? sizeof(FitSample) : 0)) +
+            2 * ooc::SpoolCache<CellRecord>::kBytes);
+    in_flight.sweep<std::vector<FitSample>>(
+        cells.n_blocks(),
+        [&](std::uint64_t b, std::vector<FitSample>& piece) {
+            piece = samples_of(cells, b, of_triangles);
+        },
+        [&](std::uint64_t, const std::vector<FitSample>& piece) { samples.append(piece); });
     return samples;
 }
 

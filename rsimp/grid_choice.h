@@ -21,6 +21,8 @@ inline constexpr double kUniformCellsPerVertex = 3;
 inline constexpr double kClustersPerVertex = 3;
 /// Rounds of the fit, unless told otherwise; docs/quality.md.
 inline constexpr unsigned kFitRounds = 4;
+/// With fewer cells for each vertex of the finest LOD the fit looks at triangles, too.
+inline constexpr double kFewCellsPerVertex = 6;
 /// With an error bound E the cells are at most E / kCellsPerError long.
 inline constexpr double kCellsPerError = 8;
 

@@ -70,7 +70,10 @@ std::uint64_t refine_bytes(const MemoryCounts& n) {
 
 /// What the fit sees of the original.
 std::uint64_t sample_bytes(const MemoryCounts& n) {
-    return n.has_fit ? n.cells * sizeof(FitSample) : 0;
+    if (!n.has_fit) return 0;
+    const bool is_sparse =
+        static_cast<double>(n.cells) < kFewCellsPerVertex * static_cast<double>(n.lod_vertices);
+    return (is_sparse ? faces_of(n.cells) : n.cells) * sizeof(FitSample);
 }
 
 std::uint64_t finish_bytes(const MemoryCounts& n) {

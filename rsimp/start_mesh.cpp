@@ -151,7 +151,11 @@ StartMesh make_start_mesh(ooc::Context& context, MeshSource& source, const Simpl
         const double enough =
             (is_uniform ? kUniformLeast : kEnoughTriangles) * budget(options, report);
         if (is_finest || attempt.n_triangles >= enough) {
-            if (fit_rounds(options) > 0) attempt.start.samples = collect_samples(context, cells);
+            if (fit_rounds(options) > 0) {
+                const bool is_sparse = static_cast<double>(cells.n_cells()) <
+                                       kFewCellsPerVertex * budget(options, report) / 2;
+                attempt.start.samples = collect_samples(context, cells, is_sparse);
+            }
             return std::move(attempt.start);
         }
     }
