@@ -105,13 +105,14 @@ void run_measure(const Arguments& arguments, const std::stop_token& stop) {
         choose_progress_style(arguments.get<std::string>("progress"), arguments.flag("quiet")));
     const MeasureReport report = measure_files(original, simplified, options, printer.hooks(stop));
     printer.finish();
+    if (!arguments.flag("quiet")) {
+        print_table(report);
+        if (!options.map.empty()) print_map(options.map, report);
+    }
     if (arguments.is_given("report")) {
         write_text_file(arguments.path("report"), to_json(report, arguments),
                         arguments.flag("force"));
     }
-    if (arguments.flag("quiet")) return;
-    print_table(report);
-    if (!options.map.empty()) print_map(options.map, report);
 }
 
 }  // namespace hewer::app
