@@ -44,7 +44,25 @@ class Accumulator {
           with_face_normals_(with_face_normals),
           is_shared_(context.n_threads() > 1) {}
 
-    HEWER_VECTOR_CLONES void add(const std::array<Corner, 3>& t) {
+    void add(const std::array<Corner, 3>& t) {
+        if (add_to_cells(t)) triples_.push(budget_, {t[0].cell, t[1].cell, t[2].cell});
+    }
+
+    void flush() {
+        if (run_cell_ == CellTable::kNone) return;
+        run_.add_to(table_.sums(run_cell_), is_shared_);
+        run_ = {};
+        run_cell_ = CellTable::kNone;
+    }
+
+    std::uint64_t n_triangles = 0;
+    std::uint64_t n_degenerate = 0;
+    std::int64_t area_units = 0;
+
+  private:
+    /// Whether the triangle survives. Must not throw: GCC takes callers of clones for callers of
+    /// functions that never do, and an exception would end the process.
+    HEWER_VECTOR_CLONES bool add_to_cells(const std::array<Corner, 3>& t) noexcept {
         ++n_triangles;
         const LatticePoint& p0 = t[0].point;
         const LatticePoint& p1 = t[1].point;
@@ -80,7 +98,7 @@ class Accumulator {
                                            qb[j] * qc[k] - qb[k] * qc[j]);
             }
             if (with_face_normals_) add_face_normal(t[0].cell, normal, area);
-            return;
+            return false;
         }
         // Whole coordinates, modulo 2^32: differences of them are right.
         std::array<std::array<std::uint32_t, 3>, 3> whole;
@@ -107,23 +125,8 @@ class Accumulator {
             one.add_to(table_.sums(t[v].cell), is_shared_);
             if (with_face_normals_) add_face_normal(t[v].cell, normal, area / 3);
         }
-        if (!same01 && !same12 && t[0].cell != t[2].cell) {
-            triples_.push(budget_, {t[0].cell, t[1].cell, t[2].cell});
-        }
+        return !same01 && !same12 && t[0].cell != t[2].cell;
     }
-
-    void flush() {
-        if (run_cell_ == CellTable::kNone) return;
-        run_.add_to(table_.sums(run_cell_), is_shared_);
-        run_ = {};
-        run_cell_ = CellTable::kNone;
-    }
-
-    std::uint64_t n_triangles = 0;
-    std::uint64_t n_degenerate = 0;
-    std::int64_t area_units = 0;
-
-  private:
     static Vec3 difference(const LatticePoint& a, const LatticePoint& b, double step) {
         Vec3 d;
         for (std::size_t i = 0; i < 3; ++i) {
@@ -173,9 +176,6 @@ class Accumulator {
     CellContribution run_;
 };
 
-/// Triangles between two looks at the room in the table.
-constexpr std::size_t kAdmitted = 4096;
-
 /// One worker's way from a batch of triangles to corners with cells.
 class CornerFinder {
   public:
@@ -191,10 +191,11 @@ class CornerFinder {
             n_seen_ += batch.corners.size();
             if (input_.vertices->is_thrashing(n_seen_)) throw Incoherent();
         }
+        const std::uint64_t n_admitted = table_.share() / 3;
         std::uint64_t n_left_out = 0;
         std::array<Corner, 3> t;
         for (std::size_t k = 0; k < batch.corners.size();) {
-            const std::size_t end = std::min(batch.corners.size(), k + kAdmitted);
+            const std::size_t end = std::min<std::size_t>(batch.corners.size(), k + n_admitted);
             const CellTable::Admission admission(table_, 3 * (end - k));
             for (; k < end && !view_->is_full(); ++k) {
                 bool is_usable = true;
@@ -211,8 +212,8 @@ class CornerFinder {
             accumulator.flush();
             view_->release();
         }
-        for (std::size_t i = 0; i < batch.points.size(); i += kAdmitted) {
-            const std::size_t end = std::min(batch.points.size(), i + kAdmitted);
+        for (std::size_t i = 0; i < batch.points.size(); i += n_admitted) {
+            const std::size_t end = std::min<std::size_t>(batch.points.size(), i + n_admitted);
             const CellTable::Admission admission(table_, 3 * (end - i));
             for (std::size_t k = i; k < end; ++k) {
                 for (std::size_t c = 0; c < 3; ++c) t[c] = locate(batch.points[k][c]);
@@ -304,12 +305,14 @@ AccumulateResult accumulate(ooc::Context& context, TrianglePartition& partition,
         Accumulator accumulator(context, grid, table, triples[worker], with_face_normals);
         std::vector<LatticeTriangle> points;
         std::array<Corner, 3> t;
+        const std::uint64_t n_admitted = table.share() / 3;
         while (partition.next(points)) {
-            {
-                const CellTable::Admission admission(table, 3 * points.size());
-                for (const LatticeTriangle& triangle : points) {
+            for (std::size_t i = 0; i < points.size(); i += n_admitted) {
+                const std::size_t end = std::min<std::size_t>(points.size(), i + n_admitted);
+                const CellTable::Admission admission(table, 3 * (end - i));
+                for (std::size_t k = i; k < end; ++k) {
                     for (std::size_t c = 0; c < 3; ++c) {
-                        t[c] = {triangle[c], table.find_or_insert(grid.key(triangle[c]))};
+                        t[c] = {points[k][c], table.find_or_insert(grid.key(points[k][c]))};
                     }
                     accumulator.add(t);
                 }

@@ -19,6 +19,7 @@ constexpr std::uint64_t kPiece = 1 << 12;
 // Buffers of all runs that are merged take this part of the limit; but each at least so much.
 constexpr std::uint64_t kBufferShare = 16;
 constexpr std::uint64_t kLeastBufferBytes = 8 << 10;
+constexpr std::uint64_t kLeastFanIn = 16;
 
 struct CodedSlot {
     std::uint64_t code;
@@ -95,6 +96,10 @@ class RunMerger {
     T record_;
 };
 
+struct MedianCorner {
+    std::uint64_t operator()(const CodeTriple& t) const { return median_corner(t); }
+};
+
 void add_to(CellSums& sums, const RunCell& part) {
     for (std::size_t i = 0; i < sums.surface.size(); ++i) sums.surface[i] += part.surface[i];
     for (std::size_t i = 0; i < sums.border.size(); ++i) sums.border[i] += part.border[i];
@@ -112,20 +117,46 @@ void add_to(AttributeSums& sums, const AttributeSums& part) {
 
 }  // namespace
 
-void CellRuns::clear() {
-    cells_ = {context_, "cell sums"};
-    attributes_ = {};
-    if (has_attributes_) attributes_ = {context_, "attribute sums"};
-    triples_ = {context_, "surviving triangles"};
-    ends_ = {{0, 0}};
+// Two buffers a run with attributes, and two levels that are merged at once.
+CellRuns::CellRuns(ooc::Context& context, bool has_attributes)
+    : context_(context),
+      has_attributes_(has_attributes),
+      fan_in_(std::max<std::uint64_t>(
+          kLeastFanIn, context.budget().limit() / kBufferShare / kLeastBufferBytes / 4)) {}
+
+CellRuns::Level CellRuns::new_level() const {
+    Level level;
+    level.cells = {context_, "cell sums"};
+    if (has_attributes_) level.attributes = {context_, "attribute sums"};
+    level.triples = {context_, "surviving triangles"};
+    level.ends = {{0, 0}};
+    return level;
 }
 
-std::uint64_t CellRuns::buffer_bytes() const {
-    return std::clamp<std::uint64_t>(context_.budget().limit() / kBufferShare / n_runs(),
+std::uint64_t CellRuns::n_runs() const {
+    std::uint64_t n = 0;
+    for (const Level& level : levels_) n += level.n_runs();
+    return n;
+}
+
+std::uint64_t CellRuns::buffer_bytes(std::uint64_t n_runs) const {
+    const std::uint64_t n_buffers = n_runs * (has_attributes_ ? 2 : 1);
+    return std::clamp<std::uint64_t>(context_.budget().limit() / kBufferShare / n_buffers,
                                      kLeastBufferBytes, ooc::SpoolReader<RunCell>::kBufferBytes);
 }
 
 void CellRuns::add(CellTable& table, std::vector<TripleList>& triples) {
+    if (levels_.empty()) levels_.push_back(new_level());
+    write_run(table, triples, levels_.front());
+    for (std::size_t i = 0; levels_[i].n_runs() == fan_in_; ++i) {
+        if (i + 1 == levels_.size()) levels_.push_back(new_level());
+        std::vector<Level> full;
+        full.push_back(std::exchange(levels_[i], new_level()));
+        merge_into(levels_[i + 1], std::move(full));
+    }
+}
+
+void CellRuns::write_run(CellTable& table, std::vector<TripleList>& triples, Level& level) const {
     const std::uint64_t n = table.size();
     ooc::Array<CodedSlot> order(context_.budget(), "cell order", n);
     std::uint64_t i = 0;
@@ -147,7 +178,7 @@ void CellRuns::add(CellTable& table, std::vector<TripleList>& triples) {
                 piece.push_back(
                     {order[sorted[t][0]].code, order[sorted[t][1]].code, order[sorted[t][2]].code});
             }
-            triples_.append(piece);
+            level.triples.append(piece);
         }
     }
     std::vector<RunCell> cells;
@@ -160,29 +191,86 @@ void CellRuns::add(CellTable& table, std::vector<TripleList>& triples) {
             cells.push_back(run_cell(order[k].code, table.sums(slot)));
             if (has_attributes_) attributes.push_back(table.attributes(slot));
         }
-        cells_.append(cells);
-        if (has_attributes_) attributes_.append(attributes);
+        level.cells.append(cells);
+        if (has_attributes_) level.attributes.append(attributes);
         context_.check_stop();
     }
-    ends_.push_back({cells_.size(), triples_.size()});
+    level.ends.push_back({level.cells.size(), level.triples.size()});
 }
 
-void CellRuns::merge_cells(double border_weight, std::uint64_t most_cells,
-                           CellBlocks& blocks) const {
-    const FixedPoint fixed(blocks.grid.resolution());
+template <typename Visit>
+void CellRuns::for_each_cell(const std::vector<Level>& levels, const Visit& visit) const {
+    std::uint64_t n_runs = 0;
+    for (const Level& level : levels) n_runs += level.n_runs();
+    const std::uint64_t bytes = buffer_bytes(n_runs);
+    const ooc::Reservation buffers =
+        context_.budget().reserve("merging cells", n_runs * bytes * (has_attributes_ ? 2 : 1));
     std::vector<ooc::SpoolReader<RunCell>> readers;
     std::vector<ooc::SpoolReader<AttributeSums>> attribute_readers;
-    const ooc::Reservation buffers = context_.budget().reserve(
-        "merging cells", n_runs() * buffer_bytes() * (has_attributes_ ? 2 : 1));
-    for (std::size_t r = 0; r < n_runs(); ++r) {
-        const std::uint64_t first = ends_[r].cell;
-        const std::uint64_t last = ends_[r + 1].cell;
-        readers.emplace_back(cells_, first, last, buffer_bytes());
-        if (has_attributes_)
-            attribute_readers.emplace_back(attributes_, first, last, buffer_bytes());
+    for (const Level& level : levels) {
+        for (std::size_t r = 0; r < level.n_runs(); ++r) {
+            const std::uint64_t first = level.ends[r].cell;
+            const std::uint64_t last = level.ends[r + 1].cell;
+            readers.emplace_back(level.cells, first, last, bytes);
+            if (has_attributes_) {
+                attribute_readers.emplace_back(level.attributes, first, last, bytes);
+            }
+        }
     }
     const auto code_of = [](const RunCell& cell) { return cell.code; };
     RunMerger<RunCell, decltype(code_of)> merger(readers, code_of);
+    std::uint64_t n_visited = 0;
+    while (!merger.empty()) {
+        const std::uint64_t code = merger.key();
+        CellSums sums{};
+        AttributeSums attribute_sums{};
+        while (!merger.empty() && merger.key() == code) {
+            if (has_attributes_) add_to(attribute_sums, *attribute_readers[merger.run()].next());
+            add_to(sums, merger.take());
+        }
+        visit(code, sums, attribute_sums);
+        if (++n_visited % kPiece == 0) context_.check_stop();
+    }
+}
+
+ooc::Reservation CellRuns::triple_readers(
+    const std::vector<Level>& levels, std::vector<ooc::SpoolReader<CodeTriple>>& readers) const {
+    std::uint64_t n_runs = 0;
+    for (const Level& level : levels) n_runs += level.n_runs();
+    const std::uint64_t bytes = buffer_bytes(n_runs);
+    ooc::Reservation buffers = context_.budget().reserve("merging triangles", n_runs * bytes);
+    for (const Level& level : levels) {
+        for (std::size_t r = 0; r < level.n_runs(); ++r) {
+            readers.emplace_back(level.triples, level.ends[r].triple, level.ends[r + 1].triple,
+                                 bytes);
+        }
+    }
+    return buffers;
+}
+
+void CellRuns::merge_into(Level& to, std::vector<Level> from) const {
+    for_each_cell(from,
+                  [&](std::uint64_t code, const CellSums& sums, const AttributeSums& attributes) {
+                      to.cells.push(run_cell(code, sums));
+                      if (has_attributes_) to.attributes.push(attributes);
+                  });
+    for (Level& level : from) {
+        level.cells.release();
+        level.attributes.release();
+    }
+    std::vector<ooc::SpoolReader<CodeTriple>> readers;
+    const ooc::Reservation buffers = triple_readers(from, readers);
+    RunMerger<CodeTriple, MedianCorner> merger(readers, {});
+    for (std::uint64_t n = 0; !merger.empty(); ++n) {
+        to.triples.push(merger.take());
+        if (n % kPiece == 0) context_.check_stop();
+    }
+    to.ends.push_back({to.cells.size(), to.triples.size()});
+}
+
+void CellRuns::merge_cells(const std::vector<Level>& levels, double border_weight,
+                           std::uint64_t most_cells, CellBlocks& blocks) const {
+    const FixedPoint fixed(blocks.grid.resolution());
     BlockCutter cutter(blocks, most_cells);
     std::vector<std::uint64_t> codes;
     std::vector<CellRecord> cells;
@@ -194,36 +282,24 @@ void CellRuns::merge_cells(double border_weight, std::uint64_t most_cells,
         codes.clear();
         cells.clear();
         attributes.clear();
-        context_.check_stop();
     };
-    while (!merger.empty()) {
-        const std::uint64_t code = merger.key();
-        CellSums sums{};
-        AttributeSums attribute_sums{};
-        while (!merger.empty() && merger.key() == code) {
-            if (has_attributes_) add_to(attribute_sums, *attribute_readers[merger.run()].next());
-            add_to(sums, merger.take());
-        }
-        if (sums.is_touched == 0) continue;
-        if (has_border(sums)) ++blocks.n_border_cells;
-        codes.push_back(code);
-        cells.push_back(make_record(sums, fixed, border_weight));
-        if (has_attributes_) attributes.push_back(make_attributes(attribute_sums, fixed));
-        if (codes.size() == kPiece) flush();
-    }
+    for_each_cell(
+        levels, [&](std::uint64_t code, const CellSums& sums, const AttributeSums& attribute_sums) {
+            if (sums.is_touched == 0) return;
+            if (has_border(sums)) ++blocks.n_border_cells;
+            codes.push_back(code);
+            cells.push_back(make_record(sums, fixed, border_weight));
+            if (has_attributes_) attributes.push_back(make_attributes(attribute_sums, fixed));
+            if (codes.size() == kPiece) flush();
+        });
     flush();
     cutter.finish();
 }
 
-void CellRuns::merge_triples(CellBlocks& blocks) {
-    const ooc::Reservation buffers =
-        context_.budget().reserve("merging triangles", n_runs() * buffer_bytes());
+void CellRuns::merge_triples(const std::vector<Level>& levels, CellBlocks& blocks) const {
     std::vector<ooc::SpoolReader<CodeTriple>> readers;
-    for (std::size_t r = 0; r < n_runs(); ++r) {
-        readers.emplace_back(triples_, ends_[r].triple, ends_[r + 1].triple, buffer_bytes());
-    }
-    const auto median = [](const CodeTriple& t) { return median_corner(t); };
-    RunMerger<CodeTriple, decltype(median)> merger(readers, median);
+    const ooc::Reservation buffers = triple_readers(levels, readers);
+    RunMerger<CodeTriple, MedianCorner> merger(readers, {});
     // A few blocks at a time: read by one thread, mapped by all.
     const std::size_t n_at_once = 2 * context_.n_threads();
     const ooc::Reservation lookups = context_.budget().reserve(
@@ -264,19 +340,21 @@ void CellRuns::merge_triples(CellBlocks& blocks) {
 
 CellBlocks CellRuns::merge(const Lattice& lattice, const UniformGrid& grid, double border_weight,
                            std::uint64_t most_cells) {
+    std::vector<Level> levels = std::exchange(levels_, {});
     CellBlocks blocks = make_cell_blocks(context_, lattice, grid, has_attributes_);
-    merge_cells(border_weight, most_cells, blocks);
+    merge_cells(levels, border_weight, most_cells, blocks);
     if (is_border_implausible(blocks.n_border_cells, blocks.n_cells())) {
         const std::uint64_t n_border_cells = blocks.n_border_cells;
         blocks = make_cell_blocks(context_, lattice, grid, has_attributes_);
-        merge_cells(0, most_cells, blocks);
+        merge_cells(levels, 0, most_cells, blocks);
         blocks.n_border_cells = n_border_cells;
         blocks.is_consistently_wound = false;
     }
-    cells_.release();
-    attributes_.release();
-    merge_triples(blocks);
-    clear();
+    for (Level& level : levels) {
+        level.cells.release();
+        level.attributes.release();
+    }
+    merge_triples(levels, blocks);
     return blocks;
 }
 

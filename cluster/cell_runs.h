@@ -29,20 +29,19 @@ static_assert(sizeof(RunCell) == 144);
 /// Morton codes of three different cells, wound as the triangle was.
 using CodeTriple = std::array<std::uint64_t, 3>;
 
+/// As many runs as one merge takes become one of the next higher level at once: read buffers do
+/// not grow with the input.
 class CellRuns {
   public:
-    CellRuns(ooc::Context& context, bool has_attributes)
-        : context_(context), has_attributes_(has_attributes) {
-        clear();
-    }
+    CellRuns(ooc::Context& context, bool has_attributes);
 
     /// Everything in the table and all triples, as one more run: cells by code, triples by the code
     /// of their median corner. The triples are taken away, the table stays as it is. Memory beside
-    /// them: bytes_per_cell().
+    /// them: bytes_per_cell(), and read buffers of a small part of the limit.
     void add(CellTable& table, std::vector<TripleList>& triples);
-    void clear();
-    [[nodiscard]] bool empty() const { return n_runs() == 0; }
-    [[nodiscard]] std::uint64_t n_runs() const { return ends_.size() - 1; }
+    void clear() { levels_.clear(); }
+    [[nodiscard]] bool empty() const { return levels_.empty(); }
+    [[nodiscard]] std::uint64_t n_runs() const;
 
     /// The cells of all runs, as build_cell_blocks() makes them of one table; leaves no runs. One
     /// pass over them, two if the winding turns out to be inconsistent. Memory: a read buffer for
@@ -60,21 +59,36 @@ class CellRuns {
     }
 
   private:
-    struct RunEnd {
-        std::uint64_t cell;
-        std::uint64_t triple;
+    /// Runs behind one another: the unfinished page of a spool is memory that cannot be evicted.
+    struct Level {
+        ooc::Spool<RunCell> cells;
+        ooc::Spool<AttributeSums> attributes;  // parallel to cells; empty if the input has none
+        ooc::Spool<CodeTriple> triples;
+        struct End {
+            std::uint64_t cell;
+            std::uint64_t triple;
+        };
+        std::vector<End> ends;  // and zeros before
+        [[nodiscard]] std::uint64_t n_runs() const { return ends.size() - 1; }
     };
-    [[nodiscard]] std::uint64_t buffer_bytes() const;
-    void merge_cells(double border_weight, std::uint64_t most_cells, CellBlocks& blocks) const;
-    void merge_triples(CellBlocks& blocks);
+    [[nodiscard]] Level new_level() const;
+    void write_run(CellTable& table, std::vector<TripleList>& triples, Level& level) const;
+    /// All runs as one more of `to`. Leaves none.
+    void merge_into(Level& to, std::vector<Level> from) const;
+    /// visit(code, sums, attributes) for each cell of all runs, by code.
+    template <typename Visit>
+    void for_each_cell(const std::vector<Level>& levels, const Visit& visit) const;
+    [[nodiscard]] std::uint64_t buffer_bytes(std::uint64_t n_runs) const;
+    [[nodiscard]] ooc::Reservation triple_readers(
+        const std::vector<Level>& levels, std::vector<ooc::SpoolReader<CodeTriple>>& readers) const;
+    void merge_cells(const std::vector<Level>& levels, double border_weight,
+                     std::uint64_t most_cells, CellBlocks& blocks) const;
+    void merge_triples(const std::vector<Level>& levels, CellBlocks& blocks) const;
 
     ooc::Context& context_;
     bool has_attributes_;
-    // All runs behind one another: the unfinished page of a spool is memory that cannot be evicted.
-    ooc::Spool<RunCell> cells_;
-    ooc::Spool<AttributeSums> attributes_;  // parallel to cells; empty if the input has none
-    ooc::Spool<CodeTriple> triples_;
-    std::vector<RunEnd> ends_;  // and zeros before
+    std::uint64_t fan_in_;
+    std::vector<Level> levels_;
 };
 
 }  // namespace hewer::cluster

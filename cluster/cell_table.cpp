@@ -90,6 +90,13 @@ void CellTable::clear() {
     epoch_.fetch_add(1, std::memory_order_release);
 }
 
+std::uint64_t CellTable::share() const {
+    constexpr std::uint64_t kLeast = 96;  // a few triangles, or nothing would ever be done
+    constexpr std::uint64_t kMost = 3 << 12;
+    return std::clamp<std::uint64_t>(overflow_.most_cells / (4 * context_.n_threads()), kLeast,
+                                     kMost);
+}
+
 /// Nobody is admitted.
 void CellTable::make_room(std::uint64_t n) {
     const bool is_overdue = overflow_.is_overdue && overflow_.is_overdue();

@@ -41,6 +41,9 @@ class CellTable {
     };
     void set_overflow(Overflow overflow) { overflow_ = std::move(overflow); }
     [[nodiscard]] std::uint64_t epoch() const { return epoch_.load(std::memory_order_acquire); }
+    /// New cells that a worker should ask room for at once: more would spill a small table before
+    /// it is three quarters full.
+    [[nodiscard]] std::uint64_t share() const;
 
     /// Room for `n` new cells: call before a batch of find_or_insert() and keep the result until
     /// the batch is over; the table does not move meanwhile.

@@ -27,6 +27,23 @@ bool is_inside(const Bounds& b, const Vec3& p) {
 // Scale of the vertex normal sums: 2^-20, so that 2^43 unit normals fit.
 constexpr double kNormalScale = 1 << 20;
 
+void add_vertex(const VertexBatch& batch, std::uint64_t i, AttributeSums& sums) {
+    if (!batch.colors.empty()) {
+        for (std::size_t k = 0; k < 4; ++k) sums.color[k] += batch.colors[i][k];
+        ++sums.n_colors;
+    }
+    if (!batch.normals.empty()) {
+        const auto& n = batch.normals[i];
+        const double length =
+            std::sqrt(static_cast<double>(n[0]) * n[0] + static_cast<double>(n[1]) * n[1] +
+                      static_cast<double>(n[2]) * n[2]);
+        if (!(length > 0) || !std::isfinite(length)) return;
+        for (std::size_t k = 0; k < 3; ++k) {
+            sums.normal[k] += round_to_int(n[k] / length * kNormalScale);
+        }
+    }
+}
+
 }  // namespace
 
 void throw_outside_bounds(const MeshSource& source, const std::string& what) {
@@ -187,36 +204,29 @@ ooc::Spool<LatticePoint> spool_vertices(ooc::Context& context, MeshSource& sourc
 void add_vertex_attributes(ooc::Context& context, MeshSource& source, const Lattice& lattice,
                            const UniformGrid& grid, CellTable& table) {
     const bool is_shared = context.n_threads() > 1;
+    const std::uint64_t n_admitted = table.share();
+    const auto add_range = [&](const VertexBatch& batch, std::uint64_t first, std::uint64_t last) {
+        const CellTable::Admission admission(table, last - first);
+        CellKey last_key = ~0ULL;  // no key: keys have 63 bits
+        std::uint32_t slot = 0;
+        for (std::uint64_t i = first; i < last; ++i) {
+            if (!is_finite(batch.positions[i])) continue;
+            const CellKey key = grid.key(lattice.encode(batch.positions[i]));
+            if (key != last_key) slot = table.find_or_insert(last_key = key);
+            std::uint32_t unshared = 0;
+            const FieldLock lock(is_shared ? table.sums(slot).lock : unshared);
+            add_vertex(batch, i, table.attributes(slot));
+        }
+    };
     source.begin_vertices();
     context.workers().on_each([&](unsigned) {
         VertexBatch batch;
         while (source.next_vertices(batch)) {
-            const CellTable::Admission admission(table, batch.positions.size());
-            CellKey last_key = ~0ULL;  // no key: keys have 63 bits
-            std::uint32_t slot = 0;
-            for (std::uint64_t i = 0; i < batch.positions.size(); ++i) {
-                if (!is_finite(batch.positions[i])) continue;
-                const CellKey key = grid.key(lattice.encode(batch.positions[i]));
-                if (key != last_key) slot = table.find_or_insert(last_key = key);
-                AttributeSums& sums = table.attributes(slot);
-                std::uint32_t unshared = 0;
-                const FieldLock lock(is_shared ? table.sums(slot).lock : unshared);
-                if (!batch.colors.empty()) {
-                    for (std::size_t k = 0; k < 4; ++k) sums.color[k] += batch.colors[i][k];
-                    ++sums.n_colors;
-                }
-                if (!batch.normals.empty()) {
-                    const auto& n = batch.normals[i];
-                    const double length = std::sqrt(static_cast<double>(n[0]) * n[0] +
-                                                    static_cast<double>(n[1]) * n[1] +
-                                                    static_cast<double>(n[2]) * n[2]);
-                    if (!(length > 0) || !std::isfinite(length)) continue;
-                    for (std::size_t k = 0; k < 3; ++k) {
-                        sums.normal[k] += round_to_int(n[k] / length * kNormalScale);
-                    }
-                }
+            const std::uint64_t n = batch.positions.size();
+            for (std::uint64_t i = 0; i < n; i += n_admitted) {
+                add_range(batch, i, std::min(n, i + n_admitted));
             }
-            context.advance(batch.positions.size());
+            context.advance(n);
         }
     });
 }

@@ -16,6 +16,7 @@ namespace {
 constexpr std::uint64_t kPagesInMemory = 512;
 constexpr std::uint64_t kLeastPageBytes = 64 << 10;
 constexpr std::uint64_t kMostPageBytes = 1 << 20;
+constexpr std::uint64_t kSortBytes = 2 << 20;
 constexpr std::int64_t kReportIntervalNs = 100'000'000;
 // A guess at the time left from less than this says nothing.
 constexpr double kLeastFractionForEta = 0.02;
@@ -33,6 +34,8 @@ Context::Context(const ResourceLimits& limits, Hooks hooks, std::vector<StageWei
                       ? limits.page_bytes
                       : std::clamp(std::bit_floor(budget_.limit() / kPagesInMemory),
                                    kLeastPageBytes, kMostPageBytes)),
+      sort_bytes_(limits.sort_bytes != 0 ? limits.sort_bytes : kSortBytes),
+      spills_at_once_(limits.spills_at_once),
       spill_(limits.temp_dir, limits.max_temp_bytes),
       evictor_(budget_),
       workers_(std::make_unique<Workers>(n_threads_)),

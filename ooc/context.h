@@ -26,6 +26,8 @@ struct ResourceLimits {
     std::filesystem::path temp_dir{};  ///< empty: TMPDIR, else /tmp
     std::uint64_t max_temp_bytes = 0;  ///< 0: no limit
     std::uint64_t page_bytes = 0;      ///< of spools; 0: by the memory limit
+    std::uint64_t sort_bytes = 0;      ///< of the buffers of sorters; 0: 2 MiB
+    bool spills_at_once = false;       ///< see SimplifyOptions::Tuning
 };
 
 /// `asked`, or for 0 as many as the machine has.
@@ -55,6 +57,10 @@ class Context {
     [[nodiscard]] unsigned n_threads() const { return n_threads_; }
     /// Of the spools of this run. Changes nothing but speed.
     [[nodiscard]] std::uint64_t page_bytes() const { return page_bytes_; }
+    /// Pages of spools go to disk as soon as they are full.
+    [[nodiscard]] bool spills_at_once() const { return spills_at_once_; }
+    /// Of the buffer of an ExternalSorter of this run. Changes nothing but speed.
+    [[nodiscard]] std::uint64_t sort_bytes() const { return sort_bytes_; }
 
     /// Throws Cancelled if the caller asked for an end.
     void check_stop() const;
@@ -76,6 +82,8 @@ class Context {
     unsigned n_threads_;
     MemoryBudget budget_;
     std::uint64_t page_bytes_;
+    std::uint64_t sort_bytes_;
+    bool spills_at_once_;
     SpillSpace spill_;
     PageEvictor evictor_;
     std::unique_ptr<Workers> workers_;

@@ -130,7 +130,11 @@ void RawSpool::State::grow_tail() {
 /// The tail is full: it becomes a page, on disk if there is no memory for another tail.
 void RawSpool::State::complete_tail() {
     Page page;
-    if (auto fresh = Array<std::byte>::try_make(context.budget(), page_bytes())) {
+    std::optional<Array<std::byte>> fresh;
+    if (!context.spills_at_once()) {
+        fresh = Array<std::byte>::try_make(context.budget(), page_bytes());
+    }
+    if (fresh) {
         page.memory = std::move(tail);
         tail = std::move(*fresh);
         n_resident.fetch_add(1, std::memory_order_relaxed);

@@ -285,8 +285,12 @@ class Pass {
             ++report_.input.vertex_passes;
         }
         vertices_.store = {};
-        return cluster::join_vertices(context_, source_, vertices_.spooled, lattice_,
-                                      context_.budget().limit() / kRangeShare, partition)
+        const std::uint64_t range_bytes =
+            options_.tuning.window_vertices != 0
+                ? options_.tuning.window_vertices * sizeof(LatticePoint)
+                : context_.budget().limit() / kRangeShare;
+        return cluster::join_vertices(context_, source_, vertices_.spooled, lattice_, range_bytes,
+                                      partition)
             .defects;
     }
     void make_pages(const CellTable& table, std::uint64_t window,

@@ -14,8 +14,6 @@ namespace hewer::rsimp {
 
 namespace {
 
-constexpr std::uint64_t kSortBytes = 2 << 20;
-
 /// A bit for each vertex whose normal is not usable; empty if there is none.
 ooc::Array<std::uint64_t> find_missing(ooc::Context& context, const MeshStore& mesh) {
     ooc::Array<std::uint64_t> missing(context.budget(), "missing normals",
@@ -69,7 +67,8 @@ ooc::Spool<FaceNormal> missing_normals(ooc::Context& context, const MeshStore& m
         }
         return sums;
     };
-    ooc::ExternalSorter<FaceNormal, std::less<>> sorter(context, "missing normals", {}, kSortBytes);
+    ooc::ExternalSorter<FaceNormal, std::less<>> sorter(context, "missing normals", {},
+                                                        context.sort_bytes());
     context.workers().in_order((mesh.faces.size() + window_faces - 1) / window_faces,
                                context.n_threads() + 1, sum_window,
                                [&](std::uint64_t, const std::vector<FaceNormal>& sums) {

@@ -10,8 +10,6 @@ namespace hewer::rsimp {
 
 namespace {
 
-constexpr std::uint64_t kSortBytes = 2 << 20;
-
 template <typename T>
 std::vector<T> read(const ooc::Spool<T>& spool, std::uint64_t first, std::uint64_t last) {
     std::vector<T> records(last - first);
@@ -22,7 +20,8 @@ std::vector<T> read(const ooc::Spool<T>& spool, std::uint64_t first, std::uint64
 }  // namespace
 
 ooc::Spool<Face> settle_crossing(ooc::Context& context, ooc::Spool<Face> faces, bool is_closed) {
-    ooc::ExternalSorter<Face, ByUnwound> sorter(context, "faces between blocks", {}, kSortBytes);
+    ooc::ExternalSorter<Face, ByUnwound> sorter(context, "faces between blocks", {},
+                                                context.sort_bytes());
     {
         ooc::SpoolReader<Face> reader(faces);
         while (const Face* face = reader.next()) sorter.add(*face);
@@ -43,8 +42,10 @@ Seams::Seams(ooc::Context& context, ooc::Spool<Face> faces, const IdRanges& bloc
       crossing_(context, "faces between blocks"),
       first_inside_(blocks.size() + 1),
       first_frozen_(blocks.size() + 1) {
-    ooc::ExternalSorter<Face, std::less<>> inside(context, "faces between blocks", {}, kSortBytes);
-    ooc::ExternalSorter<VertexId, std::less<>> frozen(context, "frozen vertices", {}, kSortBytes);
+    ooc::ExternalSorter<Face, std::less<>> inside(context, "faces between blocks", {},
+                                                  context.sort_bytes());
+    ooc::ExternalSorter<VertexId, std::less<>> frozen(context, "frozen vertices", {},
+                                                      context.sort_bytes());
     ooc::SpoolReader<Face> reader(faces);
     while (const Face* face = reader.next()) {
         const std::size_t b = blocks.find((*face)[0]);

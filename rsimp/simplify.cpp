@@ -76,7 +76,9 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
                           .n_threads = options.n_threads,
                           .temp_dir = options.temp_dir,
                           .max_temp_bytes = options.max_temp_bytes,
-                          .page_bytes = options.tuning.page_bytes},
+                          .page_bytes = options.tuning.page_bytes,
+                          .sort_bytes = options.tuning.sort_bytes,
+                          .spills_at_once = options.tuning.spills_at_once},
                          hooks, stage_weights());
     const ooc::Reservation slack =
         context.budget().reserve("slack", slack_bytes(context.budget().limit()));

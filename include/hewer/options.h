@@ -77,6 +77,8 @@ struct SimplifyOptions {
         std::uint64_t page_bytes = 0;       ///< unit of temporary files
         std::uint64_t table_cells = 0;      ///< most cells whose sums are gathered at once
         std::uint64_t window_vertices = 0;  ///< most input vertices that are held at once
+        std::uint64_t sort_bytes = 0;       ///< of a sorted run, where records are sorted on disk
+        bool spills_at_once = false;        ///< pages go to disk even if memory has room for them
     };
     Tuning tuning;
 };

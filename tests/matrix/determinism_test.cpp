@@ -20,9 +20,9 @@ namespace {
 constexpr std::uint64_t kMiB = 1 << 20;
 
 const std::vector<BatchPlan> plans_to_try{{.smallest = 100'000'000, .largest = 100'000'000},
-                                    {.smallest = 1, .largest = 50},
-                                    {.seed = 5, .smallest = 1, .largest = 3000},
-                                    {.seed = 6, .smallest = 500, .largest = 500}};
+                                          {.smallest = 1, .largest = 50},
+                                          {.seed = 5, .smallest = 1, .largest = 3000},
+                                          {.seed = 6, .smallest = 500, .largest = 500}};
 
 /// The same hash for everything that must not matter.
 void expect_one_result(const Mesh& mesh, SimplifyOptions options, bool is_soup,
