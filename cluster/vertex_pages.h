@@ -58,9 +58,13 @@ class VertexPages {
     /// Whether far more vertices have been loaded than `n_triangles` of a coherent file would need
     /// (half a vertex each). Any thread.
     [[nodiscard]] bool is_thrashing(std::uint64_t n_triangles) const {
+        const std::uint64_t loaded = n_loads_.load(std::memory_order_relaxed);
+        return loaded > 8 * frames_.size() &&
+               is_thrashing(loaded - 8 * frames_.size(), n_triangles);
+    }
+    static bool is_thrashing(std::uint64_t n_pages, std::uint64_t n_triangles) {
         constexpr std::uint64_t kMostPerTriangle = 12;
-        const std::uint64_t loaded = n_loads_.load(std::memory_order_relaxed) * kPageVertices;
-        return loaded > kMostPerTriangle * n_triangles + 8 * frames_.size() * kPageVertices;
+        return n_pages * kPageVertices > kMostPerTriangle * n_triangles;
     }
 
     /// One worker's pages of the present batch.

@@ -16,6 +16,8 @@ namespace {
 // Components are looked for in clusters of at most this many cells: larger ones will be split
 // anyway, and the work per cell stays bounded.
 constexpr std::uint32_t kMostCellsForComponents = 128;
+// 2^2 clusters.
+constexpr std::uint8_t kPartGenerations = 2;
 constexpr double kNoSplit = -1;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -80,7 +82,7 @@ void BlockTree::for_each_root(const BlockCut& cut, const Visit& visit) {
         const bool is_last = i == cut.begins.size();
         const std::uint32_t end = is_last ? n : cut.begins[i];
         const double right_key = is_last ? kInfinity : cut.keys[i];
-        visit(make_node(begin, end, std::min(left_key, right_key)));
+        visit(make_node(begin, end, std::min(left_key, right_key), 0));
         left_key = right_key;
         begin = end;
     }
@@ -117,10 +119,14 @@ void BlockTree::grow_by_splits(const cluster::CellBlocks& blocks, std::size_t bl
     };
     load(blocks, block, priority, cut);
     for_each_root(cut, push);
-    for (; n_splits > 0 && !open_.empty(); --n_splits) {
+    double last_key = kInfinity;
+    // Equal keys go together, so that a cut never parts a cluster from what is due below it.
+    for (; !open_.empty() && (n_splits > 0 || open_.front().key == last_key);
+         n_splits -= n_splits > 0 ? 1 : 0) {
         std::pop_heap(open_.begin(), open_.end(), is_smaller);
         const Node node = open_.back();
         open_.pop_back();
+        last_key = node.key;
         for (const Node& child : split(node)) push(child);
     }
     store(cut);
@@ -128,17 +134,21 @@ void BlockTree::grow_by_splits(const cluster::CellBlocks& blocks, std::size_t bl
     open_.clear();
 }
 
-BlockTree::Node BlockTree::make_node(std::uint32_t begin, std::uint32_t end, double parent_key) {
+BlockTree::Node BlockTree::make_node(std::uint32_t begin, std::uint32_t end, double parent_key,
+                                     std::uint8_t n_due) {
     Node node;
     node.begin = begin;
     node.end = end;
     const std::uint32_t n = end - begin;
     if (n == 1) return node;
-    if (n <= kMostCellsForComponents && label_components(begin, end) > 1) {
+    const bool is_small = n <= kMostCellsForComponents;
+    if (is_small && label_components(begin, end) > 1) {
         node.is_disconnected = true;
         node.key = parent_key;
         return node;
     }
+    const bool is_whole = is_small && is_part(begin, end);
+    node.n_due = is_whole ? kPartGenerations : n_due;
     ClusterSums sums;
     for (std::uint32_t i = begin; i < end; ++i) sums.add(cells_[i]);
     if (!face_normals_.empty()) {
@@ -150,7 +160,13 @@ BlockTree::Node BlockTree::make_node(std::uint32_t begin, std::uint32_t end, dou
         }
     }
     const cluster::Eigen3 eigen = cluster::eigen_decomposition(sums.quadric.a);
-    node.key = std::min(parent_key, rsimp::priority(sums, representative(sums, eigen), priority_));
+    if (n_due > 0) {
+        node.key = parent_key;
+    } else {
+        const double key = rsimp::priority(sums, representative(sums, eigen), priority_);
+        const double least = is_whole ? part_priority(sums, priority_) : 0;
+        node.key = std::min(parent_key, std::max(key, least));
+    }
     node.plane = split_plane(sums, eigen);
     return node;
 }
@@ -159,7 +175,9 @@ std::array<BlockTree::Node, 2> BlockTree::split(const Node& node) {
     const std::uint32_t middle =
         node.is_disconnected ? partition_by_components(node) : partition_by_plane(node);
     split_keys_[middle] = node.key;
-    return {make_node(node.begin, middle, node.key), make_node(middle, node.end, node.key)};
+    const auto n_due = static_cast<std::uint8_t>(node.n_due - (node.n_due > 0 ? 1 : 0));
+    return {make_node(node.begin, middle, node.key, n_due),
+            make_node(middle, node.end, node.key, n_due)};
 }
 
 void BlockTree::swap_cells(std::uint32_t i, std::uint32_t j) {
@@ -215,6 +233,25 @@ std::uint32_t BlockTree::label_components(std::uint32_t begin, std::uint32_t end
         }
     }
     return n_components;
+}
+
+/// Whether the cells, which hang together, hang together with no others.
+bool BlockTree::is_part(std::uint32_t begin, std::uint32_t end) const {
+    for (std::uint32_t i = begin; i < end; ++i) {
+        const auto cell = static_cast<LocalCell>(cells_[i].id);
+        if (graph_.leaves_block(cell)) return false;
+    }
+    std::uint64_t n_ends = 0;
+    std::uint64_t n_inside = 0;
+    for (std::uint32_t i = begin; i < end; ++i) {
+        const auto cell = static_cast<LocalCell>(cells_[i].id);
+        n_ends += graph_.degree(cell);
+        for (const LocalCell neighbour : graph_.later_neighbours(cell)) {
+            const std::uint32_t at = position_[neighbour];
+            n_inside += at >= begin && at < end ? 1 : 0;
+        }
+    }
+    return n_ends > 0 && n_ends == 2 * n_inside;
 }
 
 std::uint32_t BlockTree::partition_by_components(const Node& node) {

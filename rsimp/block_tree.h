@@ -30,6 +30,7 @@ class BlockTree {
         std::uint32_t begin = 0;
         std::uint32_t end = 0;
         bool is_disconnected = false;  ///< to be split by components instead of by the plane
+        std::uint8_t n_due = 0;        ///< generations below that are split with this one
     };
 
   public:
@@ -59,13 +60,15 @@ class BlockTree {
     void load(const cluster::CellBlocks& blocks, std::size_t block, Priority priority,
               const BlockCut& cut);
     void store(BlockCut& cut) const;
-    [[nodiscard]] Node make_node(std::uint32_t begin, std::uint32_t end, double parent_key);
+    [[nodiscard]] Node make_node(std::uint32_t begin, std::uint32_t end, double parent_key,
+                                 std::uint8_t n_due);
     template <typename Visit>
     void for_each_root(const BlockCut& cut, const Visit& visit);
     std::array<Node, 2> split(const Node& node);
     std::uint32_t partition_by_plane(const Node& node);
     std::uint32_t partition_by_components(const Node& node);
     std::uint32_t label_components(std::uint32_t begin, std::uint32_t end);
+    [[nodiscard]] bool is_part(std::uint32_t begin, std::uint32_t end) const;
     void swap_cells(std::uint32_t i, std::uint32_t j);
 
     Priority priority_ = Priority::Quadric;

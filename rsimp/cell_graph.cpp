@@ -20,6 +20,9 @@ void CellGraph::add_edges_of(const cluster::CellTriple& face, std::uint64_t firs
         edges_.push_back({std::min(a, b), std::max(a, b)});
         ++end_[edges_.back().from];
     };
+    if (n < 3) {
+        for (std::size_t i = 0; i < n; ++i) leaves_block_[inside[i]] = 1;
+    }
     if (n < 2) return;
     add(inside[0], inside[1]);
     if (n < 3) return;
@@ -33,6 +36,8 @@ void CellGraph::load(const cluster::CellBlocks& blocks, std::size_t block) {
     const std::uint64_t n = last.first_cell - first.first_cell;
     edges_.clear();
     has_face_.assign(n, 0);
+    leaves_block_.assign(n, 0);
+    degree_.assign(n, 0);
     end_.assign(n, 0);
     ooc::SpoolReader<cluster::CellTriple> faces(blocks.faces, first.first_face, last.first_face);
     for (auto piece = faces.next_piece(); !piece.empty(); piece = faces.next_piece()) {
@@ -51,7 +56,10 @@ void CellGraph::load(const cluster::CellBlocks& blocks, std::size_t block) {
         const auto from = neighbours_.begin() + begin_[i];
         const auto to = neighbours_.begin() + end_[i];
         std::sort(from, to);
-        end_[i] = begin_[i] + static_cast<std::uint32_t>(std::unique(from, to) - from);
+        const auto end = std::unique(from, to);
+        end_[i] = begin_[i] + static_cast<std::uint32_t>(end - from);
+        degree_[i] = static_cast<LocalCell>(degree_[i] + (end - from));
+        for (auto j = from; j != end; ++j) ++degree_[*j];
     }
 }
 

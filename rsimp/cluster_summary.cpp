@@ -17,6 +17,7 @@ constexpr double kExtentShare = 0.01;
 // first.
 constexpr double kExtentCost = 1e-7;
 
+const double kPartWeight = getenv("PW") ? atof(getenv("PW")) : 1;
 }  // namespace
 
 void ClusterSums::add(const cluster::CellRecord& cell) {
@@ -88,6 +89,19 @@ double priority(const ClusterSums& sums, const Vec3& vertex, Priority kind) {
                    kExtentCost * sums.spread();
         case Priority::Displacement:
             return farthest_corner(sums.low, sums.high, vertex);
+    }
+    return 0;
+}
+
+double part_priority(const ClusterSums& sums, Priority kind) {
+    const Vec3 size = sums.high - sums.low;
+    switch (kind) {
+        case Priority::Quadric:
+            return kPartWeight * sums.area * dot(size, size) / 4;
+        case Priority::NormalVariation:
+            return sums.area;
+        case Priority::Displacement:
+            return std::numeric_limits<double>::infinity();
     }
     return 0;
 }

@@ -56,6 +56,9 @@ Vec3 representative(const ClusterSums& sums, const cluster::Eigen3& eigen);
 
 double priority(const ClusterSums& sums, const Vec3& vertex, Priority kind);
 
+/// What it costs that a part of the surface vanishes, at least: all of it moves by its size.
+double part_priority(const ClusterSums& sums, Priority kind);
+
 /// Splits across the direction that promises most: among the eigenvectors of A the one with the
 /// largest product of normal variation along it and squared extent, through the weighted mean. For
 /// a curved patch that is the error each direction contributes to the quadric; a flat patch is

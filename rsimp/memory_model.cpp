@@ -8,6 +8,7 @@
 #include "cluster/cell_record.h"
 #include "cluster/cell_runs.h"
 #include "cluster/cell_sums.h"
+#include "cluster/triangle_partition.h"
 #include "hewer/error.h"
 #include "ooc/context.h"
 #include "ooc/memory_budget.h"
@@ -140,38 +141,68 @@ std::uint64_t ample_memory_bytes(const MemoryCounts& n) {
            std::max({accumulate, build, refine_bytes(n), finish_bytes(n), fit_bytes(n)});
 }
 
+namespace {
+
+/// The table of cells while the triangles are read.
+struct Table {
+    bool holds_all_cells;
+    std::uint64_t kept;  ///< of its memory, while its cells go out
+};
+
+std::uint64_t sums_bytes(const MemoryCounts& n) {
+    return sizeof(CellSums) + (n.has_attributes ? sizeof(AttributeSums) : 0);
+}
+
+bool has_resident_vertices(const MemoryCounts& n, std::uint64_t limit) {
+    return 16 * n.vertices <= limit / kResidentShare;
+}
+
+Table table_of(const MemoryCounts& n, std::uint64_t limit) {
+    const std::uint64_t resident = has_resident_vertices(n, limit) ? 16 * n.vertices : 0;
+    const std::uint64_t taken = ooc::MemoryBudget::kFixedBytes + slack_bytes(limit) + resident +
+                                limit / kSpareShare + kSpareBytes;
+    const std::uint64_t bytes = limit - std::min(limit, taken);
+    const double in_table = cluster::CellRuns::bytes_per_cell(n.has_attributes);
+    const double n_held =
+        std::min(static_cast<double>(n.cells), static_cast<double>(bytes) / in_table);
+    return {static_cast<double>(n.cells) * in_table <= static_cast<double>(bytes),
+            static_cast<std::uint64_t>(n_held) * (sums_bytes(n) + kIndexBytes)};
+}
+
+}  // namespace
+
+bool sorts_triangles(const MemoryCounts& n, std::uint64_t limit) {
+    return n.triangles_out_of_order > 0 &&
+           (!has_resident_vertices(n, limit) || !table_of(n, limit).holds_all_cells);
+}
+
 std::uint64_t temp_bytes(const MemoryCounts& n, std::uint64_t limit) {
     const auto beyond = [&](std::uint64_t bytes, std::uint64_t working) {
         const std::uint64_t taken = ooc::MemoryBudget::kFixedBytes + slack_bytes(limit) + working;
         return bytes - std::min(bytes, limit - std::min(limit, taken));
     };
     // A table that cannot hold all cells goes out in runs, which stay until the cells are merged.
-    const std::uint64_t sums = sizeof(CellSums) + (n.has_attributes ? sizeof(AttributeSums) : 0);
-    const std::uint64_t resident_vertices =
-        16 * n.vertices <= limit / kResidentShare ? 16 * n.vertices : 0;
-    const double in_table = cluster::CellRuns::bytes_per_cell(n.has_attributes);
-    const std::uint64_t around = resident_vertices + limit / kSpareShare + kSpareBytes;
-    const std::uint64_t table =
-        limit - std::min(limit, ooc::MemoryBudget::kFixedBytes + slack_bytes(limit) + around);
+    const Table table = table_of(n, limit);
     std::uint64_t merge = 0;
     std::uint64_t at_once = kBuffers;
-    if (static_cast<double>(n.cells) * in_table > static_cast<double>(table)) {
+    if (!table.holds_all_cells) {
         const std::uint64_t runs =
             n.cells * (sizeof(cluster::RunCell) + (n.has_attributes ? sizeof(AttributeSums) : 0)) +
             faces_of(n.cells) * sizeof(cluster::CodeTriple);
         const std::uint64_t records = n.cells * (sizeof(CellRecord) + sizeof(std::uint64_t) +
                                                  (n.has_attributes ? sizeof(CellAttributes) : 0));
         // The table keeps its memory while the last run goes out.
-        const auto kept = static_cast<std::uint64_t>(static_cast<double>(table) / in_table) *
-                          (sums + kIndexBytes);
-        merge = std::max(runs + records, runs + kept);
+        merge = std::max(runs + records, runs + table.kept);
     } else {
-        merge = n.cells * (sums + kOrderBytes) + blocks_bytes(n);
+        merge = n.cells * (sums_bytes(n) + kOrderBytes) + blocks_bytes(n);
         at_once += limit / ooc::PageEvictor::kLeastShare;
     }
+    const std::uint64_t sorted =
+        sorts_triangles(n, limit) ? n.triangles_out_of_order * sizeof(cluster::LatticeTriangle) : 0;
     const std::uint64_t blocks = least_memory_bytes(n) / 2;
-    return std::max({beyond(merge, at_once), beyond(refine_bytes(n), blocks),
-                     beyond(finish_bytes(n), blocks), beyond(fit_bytes(n), blocks)});
+    return std::max({beyond(sorted, table.kept + kBuffers), beyond(merge, at_once),
+                     beyond(refine_bytes(n), blocks), beyond(finish_bytes(n), blocks),
+                     beyond(fit_bytes(n), blocks)});
 }
 
 }  // namespace hewer::rsimp

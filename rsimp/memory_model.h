@@ -14,8 +14,9 @@ namespace hewer::rsimp {
 struct MemoryCounts {
     std::uint64_t vertices = 0;  ///< of an indexed input; 0 for a soup
     std::uint64_t cells = 0;
-    std::uint64_t clusters = 0;      ///< that the edge collapse begins with
-    std::uint64_t lod_vertices = 0;  ///< of the largest level of detail
+    std::uint64_t clusters = 0;                ///< that the edge collapse begins with
+    std::uint64_t lod_vertices = 0;            ///< of the largest level of detail
+    std::uint64_t triangles_out_of_order = 0;  ///< all of them, or none
     unsigned n_threads = 1;
     bool has_attributes = false;
     bool has_fit = false;
@@ -47,6 +48,9 @@ void require_memory(const SimplifyOptions& options, const SourceInfo& info);
 
 /// What a run takes when it has all that it can use: nothing goes to disk then.
 std::uint64_t ample_memory_bytes(const MemoryCounts& counts);
+
+/// Whether triangles that are in no order have to be sorted by place, with `limit` bytes of memory.
+bool sorts_triangles(const MemoryCounts& counts, std::uint64_t limit);
 
 /// Most temporary disk space at once with `limit` bytes of memory.
 std::uint64_t temp_bytes(const MemoryCounts& counts, std::uint64_t limit);

@@ -7,6 +7,7 @@
 
 #include "cluster/cell_sample.h"
 #include "cluster/lattice.h"
+#include "cluster/vertex_pages.h"
 #include "hewer/error.h"
 #include "hewer/mesh_source.h"
 #include "ooc/context.h"
@@ -23,13 +24,17 @@ using cluster::LatticePoint;
 
 // Vertices (or triangles of a soup) that are looked at: a second's work at most.
 constexpr std::uint64_t kMostSampled = 2'000'000;
+// Triangles whose corners tell whether the file is in an order.
+constexpr std::uint64_t kOrderSample = 1 << 16;
 
 // Seconds per element on two cores of 2020 or later, from scripts/bench: a prediction, not a
 // promise.
 constexpr double kSecondsPerByte = 0.4e-9;
-constexpr double kSecondsPerFace = 30e-9;
+constexpr double kSecondsPerFace = 60e-9;
+constexpr double kSecondsPerFaceOutOfOrder = 350e-9;
 constexpr double kSecondsPerCell = 0.8e-6;
 constexpr double kSecondsPerCluster = 4.5e-6;
+constexpr double kSecondsPerFitSample = 0.5e-6;  // in a round
 
 struct Sampled {
     Bounds bounds;
@@ -62,6 +67,28 @@ Sampled read_sample(MeshSource& source) {
         }
     }
     return sample;
+}
+
+/// Whether the first triangles lie together among the vertices, as VertexPages would want it. A
+/// file in which triangles cannot be reached without reading all vertices is taken to be in order.
+bool is_in_order(MeshSource& source) {
+    if (!source.info().is_indexed || !source.can_seek_vertices()) return true;
+    std::vector<std::uint64_t> pages;
+    std::uint64_t n_triangles = 0;
+    source.begin_triangles();
+    TriangleBatch batch;
+    while (n_triangles < kOrderSample && source.next_triangles(batch)) {
+        for (const auto& corners : batch.corners) {
+            for (const std::uint64_t v : corners) {
+                pages.push_back(v / cluster::VertexPages::kPageVertices);
+            }
+        }
+        n_triangles += batch.corners.size();
+    }
+    std::sort(pages.begin(), pages.end());
+    const auto n_pages =
+        static_cast<std::uint64_t>(std::unique(pages.begin(), pages.end()) - pages.begin());
+    return !cluster::VertexPages::is_thrashing(n_pages, n_triangles);
 }
 
 }  // namespace
@@ -126,6 +153,7 @@ PlanReport plan(const std::filesystem::path& input, const SimplifyOptions& optio
     counts.has_attributes =
         info.has_normals || info.has_colors || options.priority == SplitPriority::NormalVariation;
     counts.has_fit = rsimp::fit_rounds(options) > 0;
+    if (!is_in_order(*source)) counts.triangles_out_of_order = info.n_faces;
     report.memory_limit_bytes =
         options.memory_bytes != 0 ? options.memory_bytes : ooc::default_memory_limit();
     report.least_memory_bytes = rsimp::least_limit(options, info);
@@ -144,15 +172,19 @@ PlanReport plan(const std::filesystem::path& input, const SimplifyOptions& optio
             : 2 * info.n_bytes;
     const bool is_one_pass = options.bounds || (info.is_indexed && !info.has_double_positions);
     report.bytes_read = info.n_bytes + (is_one_pass ? 0 : vertex_bytes);
+    const bool is_sorted = rsimp::sorts_triangles(counts, report.memory_limit_bytes);
+    if (is_sorted) report.bytes_read += info.n_bytes;
     const std::uint64_t attribute_bytes =
         (info.has_normals ? 12U : 0U) + (info.has_colors ? 4U : 0U);
     report.bytes_written = out_triangles * 13 + out_triangles / 2 * (12 + attribute_bytes);
     report.seconds =
         static_cast<double>(report.bytes_read) * kSecondsPerByte +
-        static_cast<double>(info.n_faces) * kSecondsPerFace +
+        static_cast<double>(info.n_faces) *
+            (kSecondsPerFace + (is_sorted ? kSecondsPerFaceOutOfOrder : 0)) +
         static_cast<double>(report.cells) * kSecondsPerCell +
         (options.method == Method::Uniform ? 0
-                                           : static_cast<double>(clusters) * kSecondsPerCluster);
+                                           : static_cast<double>(clusters) * kSecondsPerCluster) +
+        rsimp::fit_rounds(options) * static_cast<double>(report.cells) * kSecondsPerFitSample;
     return report;
 }
 
