@@ -95,6 +95,8 @@ OptionSpec{"bounds", "--bounds", "BOX", T::Box, kTargets, "model units", "=read 
     "Box that holds the input, x0,y0,z0,x1,y1,z1; spares one scan of the vertices."},
 OptionSpec{"border_weight", "--border-weight", "W", T::Number, kTargets, "", "30", 0, 1e6, "", kMethod, false,
     "Weight of open borders against the surface; 0 lets borders wander."},
+OptionSpec{"feedback", "--feedback", "N", T::CountOrOff, kTargets, "rounds, or off", "=2 for inputs up to 1M vertices and --method full, else off", 1, 20, "", kMethod, false,
+    "Find the places where a first result is far from the input, and give them more triangles."},
 OptionSpec{"fit", "--fit", "N", T::CountOrOff, kTargets, "rounds, or off", "=4; off with --method uniform or --error", 1, 100, "", kMethod, false,
     "Move the vertices of the result, as a whole, towards the original surface."},
 OptionSpec{"strict", "--strict", "", T::Flag, kTargets, "", "", 0, 0, "", kMethod, false,

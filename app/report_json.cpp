@@ -98,6 +98,13 @@ Json to_value(const FitReport& r) {
             {"held", r.held}};
 }
 
+Json to_value(const FeedbackReport& r) {
+    return {{"rounds", r.rounds},
+            {"far_cells", r.far_cells},
+            {"first_worst", r.first_worst},
+            {"last_worst", r.last_worst}};
+}
+
 Json to_value(const LodReport& r) {
     return {{"path", r.path},
             {"target", to_value(r.target)},
@@ -207,6 +214,7 @@ std::string to_json(const SimplifyReport& r, const Arguments& arguments) {
                  {"input", to_value(r.input)},
                  {"grid", to_value(r.grid)},
                  {"refined_clusters", r.refined_clusters},
+                 {"feedback", to_value(r.feedback)},
                  {"collapses", r.collapses},
                  {"lods", to_list(r.lods)},
                  {"stages", to_list(r.stages)},

@@ -78,6 +78,9 @@ SimplifyOptions make_simplify_options(const Arguments& arguments) {
     }
     if (arguments.is_given("bounds")) options.bounds = arguments.get<Bounds>("bounds");
     options.border_weight = arguments.get<double>("border_weight");
+    if (arguments.is_given("feedback")) {
+        options.feedback_rounds = static_cast<unsigned>(arguments.get<std::uint64_t>("feedback"));
+    }
     if (arguments.is_given("fit")) {
         options.fit_rounds = static_cast<unsigned>(arguments.get<std::uint64_t>("fit"));
     }

@@ -8,11 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "rsimp/block_mesh.h"
+#include "rsimp/mesh_piece.h"
 
 namespace hewer::rsimp {
-
-using Point3f = std::array<float, 3>;
 
 /// A packed tree of boxes over faces in the order of the Morton codes of their centres: kLeaf faces
 /// a leaf, kFanOut children a node, no pointers; all of a leaf or node is tested at once. In single

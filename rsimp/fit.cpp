@@ -8,7 +8,8 @@
 #include "rsimp/blocks_in_flight.h"
 #include "rsimp/face_window.h"
 #include "rsimp/fit_moves.h"
-#include "rsimp/fit_regions.h"
+#include "rsimp/mesh_regions.h"
+#include "rsimp/sample_runs.h"
 
 namespace hewer::rsimp {
 
@@ -26,18 +27,9 @@ class Fit {
         std::span<const cluster::OctreeBox> boxes, std::span<const std::uint64_t> first_cluster)
         : context_(context),
           mesh_(mesh),
-          regions_(context, mesh, samples, boxes, first_cluster),
-          positions_(context, kPositions) {
-        std::vector<StoredVertex> vertices;
-        std::vector<Vec3> piece;
-        for (std::uint64_t first = 0; first < mesh.vertices.size(); first += kPiece) {
-            vertices.resize(std::min(kPiece, mesh.vertices.size() - first));
-            mesh.vertices.read(first, vertices);
-            piece.clear();
-            for (const StoredVertex& v : vertices) piece.push_back(v.vertex.position);
-            positions_.append(piece);
-        }
-    }
+          regions_(context, mesh, boxes, first_cluster),
+          samples_(context, samples, mesh.origin, mesh.vertices.size()),
+          positions_(positions_of(context, mesh)) {}
 
     void round() {
         const ooc::Spool<Vec3> moves = propose();
@@ -50,11 +42,10 @@ class Fit {
 
   private:
     static constexpr const char* kWhat = "regions of the fit";
-    static constexpr const char* kPositions = "positions of vertices";
 
     ooc::Spool<Vec3> propose() {
-        const double reach = kSampleReach * regions_.spacing();
-        const double most = kMostDistance * regions_.spacing();
+        const double reach = kSampleReach * samples_.spacing();
+        const double most = kMostDistance * samples_.spacing();
         ooc::Spool<Vec3> moves(context_, "moves of vertices");
         const double face_reach = reach + 2 * most;
         const BlocksInFlight in_flight(context_, kWhat, regions_.region_bytes(face_reach));
@@ -62,10 +53,10 @@ class Fit {
             regions_.size(),
             [&](std::uint64_t r, std::vector<Vec3>& own) {
                 std::vector<std::uint64_t> vertices;
-                const FitPiece piece = regions_.load(r, face_reach, positions_, vertices);
+                const MeshPiece piece = regions_.load(r, face_reach, positions_, vertices);
                 FitMoves sums(piece, most);
-                regions_.for_samples(
-                    r, reach, piece.centre,
+                samples_.for_each(
+                    regions_.box(r), reach, piece.centre,
                     [&](std::span<const WeightedPoint> points) { sums.pull(points); });
                 own = sums.moves();
             },
@@ -79,7 +70,7 @@ class Fit {
             std::uint64_t held = 0;
             double squares = 0;
         };
-        ooc::Spool<Vec3> moved(context_, kPositions);
+        ooc::Spool<Vec3> moved(context_, "positions of vertices");
         held_ = 0;
         double squares = 0;
         const BlocksInFlight in_flight(context_, kWhat, regions_.region_bytes(0));
@@ -87,7 +78,7 @@ class Fit {
             regions_.size(),
             [&](std::uint64_t r, Result& result) {
                 std::vector<std::uint64_t> vertices;
-                const FitPiece piece = regions_.load(r, 0, positions_, vertices);
+                const MeshPiece piece = regions_.load(r, 0, positions_, vertices);
                 const std::vector<Vec3> all = read_places(moves, vertices);
                 const std::vector<bool> is_held =
                     held_vertices(piece, read_positions(mesh_, vertices), all);
@@ -115,7 +106,8 @@ class Fit {
 
     ooc::Context& context_;
     const MeshStore& mesh_;
-    FitRegions regions_;
+    MeshRegions regions_;
+    SampleRuns samples_;
     ooc::Spool<Vec3> positions_;
     double last_move_ = 0;
     std::uint64_t held_ = 0;

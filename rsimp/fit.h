@@ -20,8 +20,8 @@ namespace hewer::rsimp {
 ///
 /// `boxes`, and the first cluster of each and the end, are those that the mesh was made in. The
 /// lengths in `report` are in cells. Per round: two passes over the faces, one over the
-/// samples, each read in regions with what lies around them. Memory: FitRegions, a region for each
-/// thread; positions and moves, 48 bytes a vertex, on spools.
+/// samples, each read in regions with what lies around them. Memory: MeshRegions, SampleRuns, a
+/// region for each thread; positions and moves, 48 bytes a vertex, on spools.
 ooc::Spool<StoredVertex> fit(ooc::Context& context, const MeshStore& mesh,
                              const ooc::Spool<FitSample>& samples,
                              std::span<const cluster::OctreeBox> boxes,

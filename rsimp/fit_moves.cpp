@@ -88,9 +88,8 @@ Vec3 solve(Symmetric3 m, const Vec3& r) {
 
 std::vector<Point3f> to_single(std::span<const Vec3> points) {
     std::vector<Point3f> result(points.size());
-    for (std::size_t v = 0; v < points.size(); ++v) {
-        for (std::size_t k = 0; k < 3; ++k) result[v][k] = static_cast<float>(points[v][k]);
-    }
+    std::transform(points.begin(), points.end(), result.begin(),
+                   [](const Vec3& p) { return rsimp::to_single(p); });
     return result;
 }
 
@@ -99,7 +98,7 @@ Vec3 normal_of(const std::array<Vec3, 3>& p) {
 }
 
 /// The face does not turn far, whichever of its corners move.
-bool is_safe(const FitPiece& piece, const LocalFace& face, std::span<const Vec3> at_first,
+bool is_safe(const MeshPiece& piece, const LocalFace& face, std::span<const Vec3> at_first,
              std::span<const Vec3> moves) {
     std::array<Vec3, 3> now;
     for (std::size_t k = 0; k < 3; ++k) now[k] = piece.positions[face[k]];
@@ -117,7 +116,7 @@ bool is_safe(const FitPiece& piece, const LocalFace& face, std::span<const Vec3>
 }
 
 /// Own vertices with an edge that has not got two faces.
-std::vector<bool> border_vertices(const FitPiece& piece) {
+std::vector<bool> border_vertices(const MeshPiece& piece) {
     std::vector<LocalFace> own;
     for (const LocalFace& face : piece.faces) {
         if (face[0] < piece.n_own || face[1] < piece.n_own || face[2] < piece.n_own) {
@@ -136,7 +135,7 @@ std::vector<bool> border_vertices(const FitPiece& piece) {
 
 }  // namespace
 
-FitMoves::FitMoves(const FitPiece& piece, double most_distance)
+FitMoves::FitMoves(const MeshPiece& piece, double most_distance)
     : piece_(piece),
       most_(static_cast<float>(most_distance * most_distance)),
       tree_(to_single(piece.positions), piece.faces),
@@ -190,7 +189,7 @@ std::vector<Vec3> FitMoves::moves() const {
     return moves;
 }
 
-std::vector<bool> held_vertices(const FitPiece& piece, std::span<const Vec3> at_first,
+std::vector<bool> held_vertices(const MeshPiece& piece, std::span<const Vec3> at_first,
                                 std::span<const Vec3> moves) {
     std::vector<bool> is_held = border_vertices(piece);
     for (const LocalFace& face : piece.faces) {

@@ -8,24 +8,10 @@
 
 #include "ooc/vec3.h"
 #include "rsimp/face_tree.h"
+#include "rsimp/mesh_piece.h"
+#include "rsimp/sample_runs.h"
 
 namespace hewer::rsimp {
-
-/// A point of the original surface, and how much of it the point stands for.
-struct WeightedPoint {
-    Point3f position;
-    float weight;
-    Point3f normal;  ///< about a unit long
-};
-
-/// A piece of mesh. The first `n_own` vertices are its own; all of their faces are here, and all
-/// others that may be nearest to a point that is nearest to one of these.
-struct FitPiece {
-    Vec3 centre{};                ///< of the piece, in the frame of the mesh
-    std::vector<Vec3> positions;  ///< relative to the centre
-    std::vector<LocalFace> faces;
-    std::uint32_t n_own = 0;
-};
 
 /// Where the own vertices should go for the mesh as a whole to come nearer to the points: one
 /// majorised Jacobi step of Hoppe's mesh optimisation (1993) with fixed connectivity. Each point
@@ -36,8 +22,8 @@ struct FitPiece {
 class FitMoves {
   public:
     /// Points farther than `most_distance` belong to something that has vanished and do not pull;
-    /// nor do points whose nearest face shows them its back. Those not much nearer pull less.
-    FitMoves(const FitPiece& piece, double most_distance);
+    /// nor do points whose nearest face shows them its back.
+    FitMoves(const MeshPiece& piece, double most_distance);
 
     /// In an order where neighbours follow one another; the sums depend on it in their last bits.
     void pull(std::span<const WeightedPoint> points);
@@ -50,7 +36,7 @@ class FitMoves {
         Vec3 residual{};
         double longest = 0;  // residual
     };
-    const FitPiece& piece_;
+    const MeshPiece& piece_;
     float most_;  // squared
     FaceTree tree_;
     std::uint32_t guess_ = 0;
@@ -61,7 +47,7 @@ class FitMoves {
 /// more than 60 degrees, or by more than 80 from what it was before the fit (`at_first`, the
 /// positions then), if any subset of its corners moved. So what becomes of the other corners does
 /// not matter, and no face ever folds. `moves` are of all vertices of the piece.
-std::vector<bool> held_vertices(const FitPiece& piece, std::span<const Vec3> at_first,
+std::vector<bool> held_vertices(const MeshPiece& piece, std::span<const Vec3> at_first,
                                 std::span<const Vec3> moves);
 
 }  // namespace hewer::rsimp

@@ -63,21 +63,22 @@ double wanted_cells(const SimplifyOptions& options, std::uint64_t n_input_faces)
 
 }  // namespace
 
-double cells_expected(const SimplifyOptions& options, std::uint64_t n_input_faces,
-                      std::uint64_t n_input_vertices) {
-    const auto most =
-        static_cast<double>(n_input_vertices != 0 ? n_input_vertices : n_input_faces / 2);
-    if (options.method == Method::Full) return most;
-    if (options.cell_size || target_vertices(options.targets.front(), n_input_faces) == 0) return 0;
-    return std::min(most, wanted_cells(options, n_input_faces));
+InputCounts counts_of(const SourceInfo& info) {
+    return {info.n_faces, info.is_indexed ? info.n_vertices : info.n_faces / 2};
+}
+
+bool takes_all_vertices(const SimplifyOptions& options, const InputCounts& input) {
+    if (options.method == Method::Full) return true;
+    return options.method == Method::Refine && !options.cell_size &&
+           !is_error(options.targets.front().kind) && input.vertices <= kVerticesWorthAll;
 }
 
 double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
-                         const cluster::CellSample& sample, std::uint64_t n_input_faces,
+                         const cluster::CellSample& sample, const InputCounts& input,
                          double finer) {
     if (!(longest_side(bounds) > 0)) return 1;  // all vertices in one place
     if (options.cell_size) return resolution_of_cell(*options.cell_size, bounds, "--cell");
-    if (options.method == Method::Full) return sample.separating_resolution();
+    if (takes_all_vertices(options, input)) return sample.separating_resolution();
     const Target& finest = options.targets.front();
     const double error = target_error(finest, bounds);
     if (error > 0) {
@@ -85,7 +86,13 @@ double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
             std::sqrt(finer) * resolution_of_cell(error / kCellsPerError, bounds, "--error"),
             cluster::UniformGrid::kMaxResolution);
     }
-    return sample.resolution_for(finer * wanted_cells(options, n_input_faces));
+    return sample.resolution_for(finer * wanted_cells(options, input.faces));
+}
+
+unsigned feedback_rounds(const SimplifyOptions& options, const InputCounts& input) {
+    if (options.targets.empty() || is_error(options.targets.front().kind)) return 0;
+    return options.feedback_rounds.value_or(takes_all_vertices(options, input) ? kFeedbackRounds
+                                                                               : 0);
 }
 
 unsigned fit_rounds(const SimplifyOptions& options) {
@@ -115,6 +122,9 @@ void check_options(const SimplifyOptions& options) {
     }
     if (options.bounds && options.bounds->is_empty()) {
         throw InvalidArgument("the bounds are empty: each minimum must be at most its maximum");
+    }
+    if (options.feedback_rounds.value_or(0) > 0 && options.method == Method::Uniform) {
+        throw InvalidArgument("the uniform method splits no clusters; feedback contradicts it");
     }
     if (options.fit_rounds.value_or(0) > 0 && !options.targets.empty() &&
         is_error(options.targets.front().kind)) {

@@ -6,6 +6,7 @@
 
 #include "cluster/cell_sample.h"
 #include "cluster/lattice.h"
+#include "hewer/mesh_source.h"
 #include "hewer/options.h"
 
 namespace hewer::rsimp {
@@ -13,18 +14,32 @@ namespace hewer::rsimp {
 /// Cells per vertex of the finest LOD. More cells see more of the surface and cost time;
 /// docs/quality.md has the measurements.
 inline constexpr double kCellsPerVertex = 7;
-/// Even the smallest target gets this many cells: less would save no time worth having.
-inline constexpr double kFewestCells = 50'000;
+/// Inputs with up to so many vertices are refined from the vertices themselves: a second or two.
+inline constexpr std::uint64_t kVerticesWorthAll = 1'000'000;
+/// Other targets, however small, get at least this many cells: less would save no time worth
+/// having.
+inline constexpr double kFewestCells = 200'000;
 /// The same for the uniform method, which fuses them.
 inline constexpr double kUniformCellsPerVertex = 3;
 /// Clusters per vertex of the finest LOD at which refinement hands over to the edge collapse.
 inline constexpr double kClustersPerVertex = 3;
+/// With fewer cells than this times the clusters wanted, the collapse begins with the cells
+/// themselves.
+inline constexpr double kWorthRefining = 1.3;
+/// Rounds of feedback for inputs that are refined from their vertices, unless told otherwise.
+inline constexpr unsigned kFeedbackRounds = 2;
 /// Rounds of the fit, unless told otherwise; docs/quality.md.
 inline constexpr unsigned kFitRounds = 4;
 /// With fewer cells for each vertex of the finest LOD the fit looks at triangles, too.
 inline constexpr double kFewCellsPerVertex = 6;
 /// With an error bound E the cells are at most E / kCellsPerError long.
 inline constexpr double kCellsPerError = 8;
+
+struct InputCounts {
+    std::uint64_t faces = 0;
+    std::uint64_t vertices = 0;  ///< of a soup: what a closed surface would have
+};
+InputCounts counts_of(const SourceInfo& info);
 
 /// Vertices that a target comes to, from the number of faces in the input. For Error targets: 0.
 double target_vertices(const Target& target, std::uint64_t n_input_faces);
@@ -36,12 +51,13 @@ double target_error(const Target& target, const Bounds& bounds);
 /// size; `finer` times the usual number of cells for Refine. Throws InvalidArgument if the cell
 /// size or the error bound is too small for 2^20 cells.
 double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
-                         const cluster::CellSample& sample, std::uint64_t n_input_faces,
-                         double finer);
+                         const cluster::CellSample& sample, const InputCounts& input, double finer);
 
-/// Cells that the target calls for, as far as the header tells; 0 where only the surface can tell.
-double cells_expected(const SimplifyOptions& options, std::uint64_t n_input_faces,
-                      std::uint64_t n_input_vertices);
+/// Whether the cells are to be the input's vertices.
+bool takes_all_vertices(const SimplifyOptions& options, const InputCounts& input);
+
+/// Rounds of feedback. None where the cells are not the vertices, unless they are asked for.
+unsigned feedback_rounds(const SimplifyOptions& options, const InputCounts& input);
 
 /// Rounds of the fit. None for the uniform method, whose point is speed, nor under an error bound,
 /// which only the clusters' own places are known to keep; unless they are asked for.

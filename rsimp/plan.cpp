@@ -131,14 +131,15 @@ PlanReport plan(const std::filesystem::path& input, const SimplifyOptions& optio
     const bool is_free = options.targets.empty();
     const double vertices =
         is_free ? 0 : rsimp::target_vertices(options.targets.front(), info.n_faces);
-    const double resolution = rsimp::choose_resolution(options, bounds, cells, info.n_faces, share);
+    const double resolution =
+        rsimp::choose_resolution(options, bounds, cells, rsimp::counts_of(info), share);
     const cluster::UniformGrid grid(resolution);
     report.cell_size = grid.cell_size(lattice);
     report.cells = static_cast<std::uint64_t>(cells.cells_at(grid.resolution()) / share);
     report.surviving_triangles = std::min(info.n_faces, 2 * report.cells + report.cells / 8);
     const double wanted = rsimp::kClustersPerVertex * vertices;
     const bool is_refined = options.method != Method::Uniform && wanted > 0 &&
-                            wanted < static_cast<double>(report.cells);
+                            wanted * rsimp::kWorthRefining < static_cast<double>(report.cells);
     const std::uint64_t clusters = is_refined ? static_cast<std::uint64_t>(wanted) : report.cells;
     report.target_triangles = static_cast<std::uint64_t>(2 * vertices);
     const std::uint64_t out_triangles =

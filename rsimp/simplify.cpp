@@ -29,8 +29,8 @@ using namespace rsimp;
 
 // Expected shares of the time, for progress.
 std::vector<ooc::StageWeight> stage_weights() {
-    return {{"bounds", 1}, {"vertices", 2}, {"sample", 2}, {"cluster", 8}, {"refine", 8},
-            {"mesh", 2},   {"finish", 12},  {"fit", 12},   {"write", 2}};
+    return {{"bounds", 1},   {"vertices", 2}, {"sample", 2},  {"cluster", 8}, {"refine", 8},
+            {"feedback", 8}, {"mesh", 2},     {"finish", 12}, {"fit", 12},    {"write", 2}};
 }
 
 CollapseTarget collapse_target(const Target& target, const SimplifyReport& report) {

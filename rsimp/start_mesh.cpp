@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "rsimp/block_refiner.h"
 #include "rsimp/cluster_mesh_builder.h"
 #include "rsimp/clustering.h"
+#include "rsimp/feedback.h"
 #include "rsimp/grid_choice.h"
 
 namespace hewer::rsimp {
@@ -19,9 +21,6 @@ using cluster::CellBlocks;
 
 namespace {
 
-// With fewer cells than this times the clusters wanted, the collapse begins with the cells
-// themselves.
-constexpr double kWorthRefining = 1.3;
 // Triangles that the collapse must at least begin with, for each that is asked for.
 constexpr double kEnoughTriangles = 1.25;
 // Share of the budget that the uniform method aims at and is content with, and the factor on its
@@ -96,6 +95,28 @@ Attempt refine_to_budget(ooc::Context& context, const CellBlocks& cells,
     }
 }
 
+/// Finishes a mesh only to see where it is far from the cells, and begins again with these stiffer.
+Attempt improve(ooc::Context& context, CellBlocks& cells, const SimplifyOptions& options,
+                Attempt attempt, StageLog& stages, SimplifyReport& report) {
+    stages.begin("feedback", 0, "collapses");
+    const CollapseTarget target{static_cast<std::uint64_t>(budget(options, report)),
+                                std::numeric_limits<std::uint64_t>::max(),
+                                {}};
+    FinishReport unused;
+    Finisher& finisher = *attempt.start.finisher;
+    const MeshStore mesh = finisher.run(target, false, unused);
+    if (mesh.faces.empty()) return refine_to_budget(context, cells, options, stages, report);
+    FeedbackResult result = feed_back(context, cells, mesh, finisher.first_cluster());
+    cells.cells = std::move(result.cells);
+    const double cell_size = cells.grid.cell_size(cells.lattice);
+    FeedbackReport& feedback = report.feedback;
+    feedback.far_cells = result.n_far;
+    feedback.last_worst = cell_size * result.worst;
+    if (feedback.rounds++ == 0) feedback.first_worst = feedback.last_worst;
+    attempt = {};
+    return refine_to_budget(context, cells, options, stages, report);
+}
+
 /// The uniform method: as many clusters as a closed surface needs for the budget. Where parts
 /// vanish in their clusters that is too few, and more are allowed.
 Attempt fuse_to_budget(ooc::Context& context, const CellBlocks& cells,
@@ -134,7 +155,7 @@ StartMesh make_start_mesh(ooc::Context& context, MeshSource& source, const Simpl
     const bool is_given = options.cell_size || options.method == Method::Full;
     for (double finer = 1;; finer *= kFinerGrid) {
         bool is_finest = false;
-        const CellBlocks cells =
+        CellBlocks cells =
             cluster_input(context, source, options, finer, stages, report, is_finest);
         is_finest |= is_given;
         const double error = options.targets.empty()
@@ -148,6 +169,10 @@ StartMesh make_start_mesh(ooc::Context& context, MeshSource& source, const Simpl
         const bool is_uniform = options.method == Method::Uniform;
         Attempt attempt = is_uniform ? fuse_to_budget(context, cells, options, stages, report)
                                      : refine_to_budget(context, cells, options, stages, report);
+        const unsigned rounds = feedback_rounds(options, counts_of(source.info()));
+        for (unsigned i = 0; i < rounds; ++i) {
+            attempt = improve(context, cells, options, std::move(attempt), stages, report);
+        }
         const double enough =
             (is_uniform ? kUniformLeast : kEnoughTriangles) * budget(options, report);
         if (is_finest || attempt.n_triangles >= enough) {

@@ -35,7 +35,8 @@ struct StartMesh {
 /// How many clusters the target needs is known only from the mesh that they make: two triangles
 /// come of each on a closed surface, next to none where thin parts or many small components vanish
 /// in their clusters. So clusters are added until the collapse has enough triangles to choose from;
-/// if all cells are too few, the input is clustered again on a finer grid. With an error bound the
+/// if all cells are too few, the input is clustered again on a finer grid. Rounds of feedback
+/// (rsimp/feedback.h) each finish a mesh and refine again. With an error bound the
 /// same is done as long as a part of the surface has vanished.
 StartMesh make_start_mesh(ooc::Context& context, MeshSource& source, const SimplifyOptions& options,
                           StageLog& stages, SimplifyReport& report);

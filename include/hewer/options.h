@@ -54,8 +54,13 @@ struct SimplifyOptions {
     /// Weight of the border quadrics against the surface quadrics. 0: borders may wander.
     double border_weight = 30.0;
 
-    /// Rounds in which the vertices of each LOD are moved, as a whole, towards the original surface;
-    /// 0: none. Unset: what the method calls for (none for Uniform, none under an error bound).
+    /// Rounds in which the places where the first LOD is far from the input are found, and the
+    /// budget is shared out again; 0: none. Unset: two for inputs of up to a million vertices and
+    /// for Full, none otherwise.
+    std::optional<unsigned> feedback_rounds;
+    /// Rounds in which the vertices of each LOD are moved, as a whole, towards the original
+    /// surface; 0: none. Unset: what the method calls for (none for Uniform, none under an error
+    /// bound).
     std::optional<unsigned> fit_rounds;
 
     /// Defects in the input end the run instead of being counted.

@@ -60,6 +60,14 @@ struct TopologyReport {
     std::int64_t euler_characteristic = 0;
 };
 
+/// Places of the input that a first LOD was far from, before the budget was shared out again.
+struct FeedbackReport {
+    unsigned rounds = 0;
+    std::uint64_t far_cells = 0;  ///< in the last round
+    double first_worst = 0;       ///< largest distance found in the first round, model units
+    double last_worst = 0;        ///< the same in the last one
+};
+
 /// How far the vertices of an LOD were moved towards the original surface, after the collapse.
 struct FitReport {
     unsigned rounds = 0;
@@ -93,7 +101,8 @@ struct SimplifyReport {
     InputReport input;
     GridReport grid;
     std::uint64_t refined_clusters = 0;  ///< leaves of the cluster tree; 0 without refinement
-    std::uint64_t collapses = 0;         ///< of the finishing edge collapse, all LODs
+    FeedbackReport feedback;
+    std::uint64_t collapses = 0;  ///< of the finishing edge collapse, all LODs
     std::vector<LodReport> lods;
     std::vector<StageReport> stages;
     std::vector<std::string> warnings;

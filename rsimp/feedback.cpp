@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+#include "rsimp/feedback.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "ooc/vec3.h"
+#include "rsimp/blocks_in_flight.h"
+#include "rsimp/face_tree.h"
+#include "rsimp/mesh_regions.h"
+
+namespace hewer::rsimp {
+
+using cluster::CellBlocks;
+using cluster::CellRecord;
+
+namespace {
+
+// Multiples of the RMS beyond which a cell is far.
+constexpr double kFar = 6;
+constexpr double kStiffness = 30;
+// How far around a region faces are looked for, in mean distances between vertices.
+constexpr double kReach = 2;
+// What a cell without area counts for: it still has a place.
+constexpr double kLeastArea = 1e-3;
+
+class Distances {
+  public:
+    Distances(ooc::Context& context, const CellBlocks& cells, const MeshStore& mesh,
+              std::span<const std::uint64_t> first_cluster)
+        : context_(context),
+          cells_(cells),
+          mesh_(mesh),
+          regions_(context, mesh, boxes_of(cells), first_cluster),
+          squared_(context, "distances of cells") {
+        double area = 0;
+        for (std::size_t r = 0; r < regions_.size(); ++r) area += make_room(r);
+        reach_ = kReach * std::sqrt(area / static_cast<double>(mesh.vertices.size()));
+    }
+
+    void measure() {
+        const ooc::Spool<Vec3> positions = positions_of(context_, mesh_);
+        std::uint64_t most_cells = 0;
+        for (std::size_t r = 0; r < regions_.size(); ++r) {
+            most_cells = std::max(most_cells, last_cell(r) - first_cell(r));
+        }
+        struct Work {
+            std::vector<float> squared;
+            double area = 0;
+            double sum = 0;
+        };
+        const BlocksInFlight in_flight(context_, "regions of the feedback",
+                                       regions_.region_bytes(reach_) + most_cells * sizeof(float) +
+                                           2 * ooc::SpoolReader<CellRecord>::kBufferBytes);
+        in_flight.sweep<Work>(
+            regions_.size(),
+            [&](std::uint64_t r, Work& work) {
+                work = {std::move(work.squared), 0, 0};
+                measure_region(r, positions, work.squared, work.area, work.sum);
+            },
+            [&](std::uint64_t, const Work& work) {
+                squared_.append(work.squared);
+                area_ += work.area;
+                sum_ += work.sum;
+                for (const float d : work.squared) worst_ = std::max(worst_, d);
+            });
+    }
+
+    [[nodiscard]] const ooc::Spool<float>& squared() const { return squared_; }
+    [[nodiscard]] double rms() const { return area_ > 0 ? std::sqrt(sum_ / area_) : 0; }
+    [[nodiscard]] double worst() const { return std::sqrt(static_cast<double>(worst_)); }
+
+  private:
+    static std::vector<cluster::OctreeBox> boxes_of(const CellBlocks& cells) {
+        std::vector<cluster::OctreeBox> boxes;
+        for (std::size_t b = 0; b < cells.n_blocks(); ++b) boxes.push_back(cells.blocks[b].box);
+        return boxes;
+    }
+    [[nodiscard]] std::uint64_t first_cell(std::size_t region) const {
+        return cells_.blocks[regions_.first_octree_box(region)].first_cell;
+    }
+    [[nodiscard]] std::uint64_t last_cell(std::size_t region) const {
+        return cells_.blocks[regions_.first_octree_box(region + 1)].first_cell;
+    }
+
+    /// Vertices of a part that vanished are in no region's box; its cells are. Returns their area.
+    double make_room(std::size_t region) {
+        FloatBox box;
+        double area = 0;
+        ooc::SpoolReader<std::uint64_t> codes(cells_.codes, first_cell(region), last_cell(region));
+        ooc::SpoolReader<CellRecord> cells(cells_.cells, first_cell(region), last_cell(region));
+        while (const std::uint64_t* code = codes.next()) {
+            const Vec3 centre = cluster::center_of(*code) - mesh_.origin;
+            box.extend(centre - Vec3{0.5, 0.5, 0.5});
+            box.extend(centre + Vec3{0.5, 0.5, 0.5});
+            area += static_cast<double>(cells.next()->area);
+        }
+        regions_.extend(region, box);
+        return area;
+    }
+
+    void measure_region(std::size_t region, const ooc::Spool<Vec3>& positions,
+                        std::vector<float>& squared, double& area, double& sum) const {
+        std::vector<std::uint64_t> vertices;
+        const MeshPiece piece = regions_.load(region, reach_, positions, vertices);
+        squared.assign(last_cell(region) - first_cell(region), 0.0F);
+        if (piece.faces.empty()) return;  // too many of them
+        std::vector<Point3f> points(piece.positions.size());
+        for (std::size_t v = 0; v < points.size(); ++v) {
+            points[v] = to_single(piece.positions[v]);
+        }
+        const FaceTree tree(points, piece.faces);
+        const auto most = static_cast<float>(reach_ * reach_);
+        ooc::SpoolReader<CellRecord> cells(cells_.cells, first_cell(region), last_cell(region));
+        ooc::SpoolReader<std::uint64_t> codes(cells_.codes, first_cell(region), last_cell(region));
+        std::uint32_t guess = 0;
+        for (float& d : squared) {
+            const CellRecord& cell = *cells.next();
+            const Vec3 mean{static_cast<double>(cell.mean[0]), static_cast<double>(cell.mean[1]),
+                            static_cast<double>(cell.mean[2])};
+            const Vec3 place = cluster::center_of(*codes.next()) + mean + cell.mean_beyond();
+            const FaceTree::Hit hit =
+                tree.nearest(to_single(place - mesh_.origin - piece.centre), most, guess);
+            if (hit.face != FaceTree::kNone) guess = hit.slot;
+            d = hit.squared_distance;
+            area += static_cast<double>(cell.area);
+            sum += static_cast<double>(cell.area) * static_cast<double>(d);
+        }
+    }
+
+    ooc::Context& context_;
+    const CellBlocks& cells_;
+    const MeshStore& mesh_;
+    MeshRegions regions_;
+    ooc::Spool<float> squared_;  // by cell
+    double reach_ = 0;
+    double area_ = 0;
+    double sum_ = 0;
+    float worst_ = 0;
+};
+
+}  // namespace
+
+FeedbackResult feed_back(ooc::Context& context, const CellBlocks& cells, const MeshStore& mesh,
+                         std::span<const std::uint64_t> first_cluster) {
+    Distances distances(context, cells, mesh, first_cluster);
+    distances.measure();
+    FeedbackResult result;
+    result.cells = {context, "cells"};
+    result.rms = distances.rms();
+    result.worst = distances.worst();
+    const double bound = kFar * kFar * result.rms * result.rms;
+    ooc::SpoolReader<CellRecord> records(cells.cells);
+    ooc::SpoolReader<float> squared(distances.squared());
+    std::vector<CellRecord> stiffer;
+    for (auto piece = records.next_piece(); !piece.empty(); piece = records.next_piece()) {
+        stiffer.assign(piece.begin(), piece.end());
+        for (CellRecord& cell : stiffer) {
+            const auto d = static_cast<double>(*squared.next());
+            if (d <= bound) continue;
+            ++result.n_far;
+            const double weight =
+                kStiffness * (1 - bound / d) * std::max(kLeastArea, static_cast<double>(cell.area));
+            for (const std::size_t diagonal : {0U, 3U, 5U}) {
+                cell.quadric[diagonal] += static_cast<float>(weight);
+            }
+        }
+        result.cells.append(stiffer);
+        context.check_stop();
+    }
+    return result;
+}
+
+}  // namespace hewer::rsimp

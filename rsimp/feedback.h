@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+/// Finds the places where a level of detail is far from the original, and makes them dearer to the
+/// next one.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "cluster/cell_blocks.h"
+#include "ooc/context.h"
+#include "rsimp/mesh_store.h"
+
+namespace hewer::rsimp {
+
+struct FeedbackResult {
+    ooc::Spool<cluster::CellRecord> cells;  ///< to be put in the place of those before
+    std::uint64_t n_far = 0;
+    double rms = 0;    ///< distance of the cells' means from the mesh, in cells
+    double worst = 0;  ///< up to kReach mean distances between vertices; farther is not told
+};
+
+/// What a quadric cannot see: thin pieces have almost no error in any plane, whatever becomes of
+/// them, so they vanish first, and a small place that is far off counts as little as its area. Here
+/// the mean of each cell is measured against a finished mesh; the quadric of each that is more than
+/// kFar times the RMS away gets a point quadric, area |x - mean|^2, kStiffness times as heavy (less
+/// near the bound): the surface is held where it is, in all directions, and splits and collapses
+/// are chosen again. The budget comes from where it is not missed.
+///
+/// `first_cluster` of each block of cells and the end are those that the mesh was made from.
+/// Passes: one over cells and faces in regions, one over the cells. Memory: MeshRegions, and for
+/// each region in work its faces and 4 bytes a cell; 4 bytes a cell on a spool. Nothing depends on
+/// threads or memory.
+FeedbackResult feed_back(ooc::Context& context, const cluster::CellBlocks& cells,
+                         const MeshStore& mesh, std::span<const std::uint64_t> first_cluster);
+
+}  // namespace hewer::rsimp

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#include "rsimp/sample_runs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "ooc/vec3.h"
+
+namespace hewer::rsimp {
+
+namespace {
+
+constexpr std::uint64_t kSamplesPerRun = 1024;
+constexpr std::uint64_t kEnoughPerVertex = 24;
+
+}  // namespace
+
+SampleRuns::SampleRuns(ooc::Context& context, const ooc::Spool<FitSample>& samples,
+                       const Vec3& origin, std::uint64_t n_vertices)
+    : samples_(samples),
+      origin_(origin),
+      boxes_(context.budget(), "boxes of samples",
+             (samples.size() + kSamplesPerRun - 1) / kSamplesPerRun) {
+    std::vector<FitSample> run(kSamplesPerRun);
+    double area = 0;
+    for (std::uint64_t r = 0; r < boxes_.size(); ++r) {
+        const std::uint64_t first = r * kSamplesPerRun;
+        const std::span<FitSample> read(run.data(),
+                                        std::min(kSamplesPerRun, samples_.size() - first));
+        samples_.read(first, read);
+        FloatBox& box = boxes_[r] = FloatBox{};
+        for (const FitSample& sample : read) {
+            box.extend(sample.position() - origin_);
+            area += static_cast<double>(sample.area());
+        }
+        context.check_stop();
+    }
+    const std::uint64_t n = std::max<std::uint64_t>(1, n_vertices);
+    const std::uint64_t enough = kEnoughPerVertex * n;
+    spacing_ = std::sqrt(area / static_cast<double>(n));
+    stride_ = std::max<std::uint64_t>(1, (samples_.size() + enough / 2) / enough);
+}
+
+void SampleRuns::for_each(const FloatBox& box, double reach, const Vec3& centre,
+                          const std::function<void(std::span<const WeightedPoint>)>& visit) const {
+    std::vector<FitSample> samples;
+    std::vector<WeightedPoint> points;
+    for (std::uint64_t run = 0; run < boxes_.size(); ++run) {
+        if (!box.meets(boxes_[run], reach)) continue;
+        const std::uint64_t first = run * kSamplesPerRun;
+        samples.resize(std::min(kSamplesPerRun, samples_.size() - first));
+        samples_.read(first, samples);
+        points.clear();
+        for (std::uint64_t i = (stride_ - first % stride_) % stride_; i < samples.size();
+             i += stride_) {
+            const Vec3 p = samples[i].position() - origin_;
+            FloatBox place;
+            place.extend(p);
+            if (!box.meets(place, reach)) continue;
+            points.push_back(
+                {to_single(p - centre), samples[i].area(), to_single(samples[i].normal())});
+        }
+        if (!points.empty()) visit(points);
+    }
+}
+
+}  // namespace hewer::rsimp
