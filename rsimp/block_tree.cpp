@@ -15,7 +15,7 @@ namespace {
 
 // Components are looked for in clusters of at most this many cells: larger ones will be split
 // anyway, and the work per cell stays bounded.
-constexpr std::uint32_t kMostCellsForComponents = 128;
+constexpr std::uint32_t kMostCellsForComponents = 1024;
 // 2^2 clusters.
 constexpr std::uint8_t kPartGenerations = 2;
 constexpr double kNoSplit = -1;
@@ -141,13 +141,12 @@ BlockTree::Node BlockTree::make_node(std::uint32_t begin, std::uint32_t end, dou
     node.end = end;
     const std::uint32_t n = end - begin;
     if (n == 1) return node;
-    const bool is_small = n <= kMostCellsForComponents;
-    if (is_small && label_components(begin, end) > 1) {
+    if (n <= kMostCellsForComponents && label_components(begin, end) > 1) {
         node.is_disconnected = true;
         node.key = parent_key;
         return node;
     }
-    const bool is_whole = is_small && is_part(begin, end);
+    const bool is_whole = is_closed_off(begin, end);
     node.n_due = is_whole ? kPartGenerations : n_due;
     ClusterSums sums;
     for (std::uint32_t i = begin; i < end; ++i) sums.add(cells_[i]);
@@ -235,20 +234,18 @@ std::uint32_t BlockTree::label_components(std::uint32_t begin, std::uint32_t end
     return n_components;
 }
 
-/// Whether the cells, which hang together, hang together with no others.
-bool BlockTree::is_part(std::uint32_t begin, std::uint32_t end) const {
-    for (std::uint32_t i = begin; i < end; ++i) {
-        const auto cell = static_cast<LocalCell>(cells_[i].id);
-        if (graph_.leaves_block(cell)) return false;
-    }
+/// Whether the cells hang together with no others.
+bool BlockTree::is_closed_off(std::uint32_t begin, std::uint32_t end) const {
     std::uint64_t n_ends = 0;
     std::uint64_t n_inside = 0;
     for (std::uint32_t i = begin; i < end; ++i) {
         const auto cell = static_cast<LocalCell>(cells_[i].id);
+        if (graph_.leaves_block(cell)) return false;
         n_ends += graph_.degree(cell);
         for (const LocalCell neighbour : graph_.later_neighbours(cell)) {
             const std::uint32_t at = position_[neighbour];
-            n_inside += at >= begin && at < end ? 1 : 0;
+            if (at < begin || at >= end) return false;
+            ++n_inside;
         }
     }
     return n_ends > 0 && n_ends == 2 * n_inside;

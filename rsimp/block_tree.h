@@ -21,6 +21,11 @@ namespace hewer::rsimp {
 /// cuts that it was grown from. Nodes live only while they are open: a tree of any size takes no
 /// memory of its own.
 ///
+/// A part of the surface that lies in one cluster as a whole would vanish with it. What that costs
+/// is not in its quadric, whose minimum is near all its planes: its key is at least that of all its
+/// area moved by its size, and it is split twice then, into the four vertices that the simplest
+/// closed form has.
+///
 /// Memory: bytes_for() the largest block. One thread.
 class BlockTree {
     /// A cluster: cells_[begin .. end).
@@ -68,7 +73,7 @@ class BlockTree {
     std::uint32_t partition_by_plane(const Node& node);
     std::uint32_t partition_by_components(const Node& node);
     std::uint32_t label_components(std::uint32_t begin, std::uint32_t end);
-    [[nodiscard]] bool is_part(std::uint32_t begin, std::uint32_t end) const;
+    [[nodiscard]] bool is_closed_off(std::uint32_t begin, std::uint32_t end) const;
     void swap_cells(std::uint32_t i, std::uint32_t j);
 
     Priority priority_ = Priority::Quadric;

@@ -17,7 +17,6 @@ constexpr double kExtentShare = 0.01;
 // first.
 constexpr double kExtentCost = 1e-7;
 
-const double kPartWeight = getenv("PW") ? atof(getenv("PW")) : 1;
 }  // namespace
 
 void ClusterSums::add(const cluster::CellRecord& cell) {
@@ -97,7 +96,7 @@ double part_priority(const ClusterSums& sums, Priority kind) {
     const Vec3 size = sums.high - sums.low;
     switch (kind) {
         case Priority::Quadric:
-            return kPartWeight * sums.area * dot(size, size) / 4;
+            return sums.area * dot(size, size) / 4;
         case Priority::NormalVariation:
             return sums.area;
         case Priority::Displacement:

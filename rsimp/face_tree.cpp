@@ -2,29 +2,24 @@
 #include "rsimp/face_tree.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
 #include "cluster/uniform_grid.h"
+#include "ooc/vector_clones.h"
 
 namespace hewer::rsimp {
 
 namespace {
-
-// The searches are compiled for wider vectors too; without fused multiply-add both give the same
-// bits. Sanitizers do not get along with such choices.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define HEWER_VECTOR_CLONES __attribute__((target_clones("avx2", "default")))
-#else
-#define HEWER_VECTOR_CLONES
-#endif
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 // Boxes farther than the best distance so far are left out; this allows for rounding, in part of it
 // and of the square of a length of one.
 constexpr float kSlack = 1.0001F;
 constexpr std::size_t kMostLevels = 12;
+// Points that share a walk through the tree.
+constexpr std::size_t kGroup = 8;
 
 std::uint32_t divide_up(std::size_t a, std::size_t b) {
     return static_cast<std::uint32_t>((a + b - 1) / b);
@@ -137,8 +132,7 @@ void FaceTree::fill_nodes(std::span<const Point3f> points, std::span<const Local
 }
 
 /// To the plane where the point is over the triangle, else to the nearest of the edges.
-HEWER_VECTOR_CLONES void FaceTree::distances_to_leaf(const Leaf& leaf, const Point3f& p,
-                                                     Lanes& squared) {
+HEWER_INLINE void FaceTree::distances_to_leaf(const Leaf& leaf, const Point3f& p, Lanes& squared) {
     const Lanes zero{};
     const Lanes one = zero + 1;
     const Lanes x = p[0] - leaf.a[0];
@@ -178,8 +172,7 @@ HEWER_VECTOR_CLONES void FaceTree::distances_to_leaf(const Leaf& leaf, const Poi
     squared = is_over ? to_plane : best;
 }
 
-HEWER_VECTOR_CLONES void FaceTree::distances_to_node(const Node& node, const Point3f& p,
-                                                     Lanes& squared) {
+HEWER_INLINE void FaceTree::distances_to_node(const Node& node, const Point3f& p, Lanes& squared) {
     const Lanes zero{};
     Lanes sum = zero;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -192,7 +185,7 @@ HEWER_VECTOR_CLONES void FaceTree::distances_to_node(const Node& node, const Poi
     squared = sum;
 }
 
-void FaceTree::search_leaf(std::uint32_t leaf, const Point3f& p, Hit& best) const {
+HEWER_INLINE void FaceTree::search_leaf(std::uint32_t leaf, const Point3f& p, Hit& best) const {
     Lanes squared;
     distances_to_leaf(leaves_[leaf], p, squared);
     for (std::size_t i = 0; i < kLeaf; ++i) {
@@ -205,7 +198,8 @@ void FaceTree::search_leaf(std::uint32_t leaf, const Point3f& p, Hit& best) cons
     }
 }
 
-FaceTree::Hit FaceTree::nearest(const Point3f& p, float most, std::uint32_t guess) const {
+HEWER_VECTOR_CLONES FaceTree::Hit FaceTree::nearest(const Point3f& p, float most,
+                                                    std::uint32_t guess) const {
     Hit best{most, kNone, kNone};
     search_leaf(static_cast<std::uint32_t>(guess / kLeaf), p, best);
     struct Entry {
@@ -243,6 +237,100 @@ FaceTree::Hit FaceTree::nearest(const Point3f& p, float most, std::uint32_t gues
         }
     }
     return best;
+}
+
+/// All leaves whose boxes are within `distance`, nearest first; kMostNear + 1 if there are more.
+HEWER_VECTOR_CLONES std::size_t FaceTree::leaves_within(const Point3f& p, float distance,
+                                                        NearLeaves& leaves) const {
+    const float most = distance * distance;
+    struct Entry {
+        std::uint32_t level;
+        std::uint32_t node;
+    };
+    std::array<Entry, kMostLevels * kFanOut> stack;
+    std::size_t n = 0;
+    std::size_t n_leaves = 0;
+    stack[n++] = {static_cast<std::uint32_t>(levels_.size() - 1), 0};
+    while (n > 0) {
+        const Entry entry = stack[--n];
+        Lanes squared;
+        distances_to_node(nodes_[levels_[entry.level].first + entry.node], p, squared);
+        for (std::uint32_t c = 0; c < kFanOut; ++c) {
+            if (!(squared[c] <= most)) continue;
+            const auto child = static_cast<std::uint32_t>(entry.node * kFanOut + c);
+            if (entry.level > 0) {
+                stack[n++] = {entry.level - 1, child};
+                continue;
+            }
+            if (n_leaves == kMostNear) return kMostNear + 1;
+            const float d = std::sqrt(squared[c]);
+            std::size_t i = n_leaves++;
+            for (; i > 0 && leaves[i - 1].distance > d; --i) leaves[i] = leaves[i - 1];
+            leaves[i] = {d, child};
+        }
+    }
+    return n_leaves;
+}
+
+/// False if the points are too far apart for a common walk.
+HEWER_VECTOR_CLONES bool FaceTree::nearest_of_group(std::span<const Point3f> group, float most,
+                                                    std::uint32_t guess, Hit* hits) const {
+    Point3f low = group[0];
+    Point3f high = group[0];
+    for (const Point3f& p : group) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            low[k] = std::min(low[k], p[k]);
+            high[k] = std::max(high[k], p[k]);
+        }
+    }
+    Point3f centre;
+    for (std::size_t k = 0; k < 3; ++k) centre[k] = 0.5F * (low[k] + high[k]);
+    std::array<float, kGroup> from_centre;
+    float radius = 0;
+    for (std::size_t i = 0; i < group.size(); ++i) {
+        float sum = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const float d = group[i][k] - centre[k];
+            sum += d * d;
+        }
+        from_centre[i] = std::sqrt(sum);
+        radius = std::max(radius, from_centre[i]);
+    }
+    // What is nearest to a point is at most two radii farther from the centre than what is nearest
+    // to the centre.
+    Hit near_centre{kInfinity, kNone, kNone};
+    search_leaf(static_cast<std::uint32_t>(guess / kLeaf), centre, near_centre);
+    const float reach =
+        std::min(std::sqrt(near_centre.squared_distance) + 2 * radius, std::sqrt(most) + radius);
+    NearLeaves leaves;
+    const std::size_t n = leaves_within(centre, reach * kSlack, leaves);
+    if (n > kMostNear) return false;
+    for (std::size_t i = 0; i < group.size(); ++i) {
+        Hit best{most, kNone, kNone};
+        for (std::size_t k = 0; k < n; ++k) {
+            const float least = leaves[k].distance - from_centre[i] * kSlack;
+            if (least > 0 && least * least > best.squared_distance * kSlack) break;
+            search_leaf(leaves[k].leaf, group[i], best);
+        }
+        hits[i] = best;
+    }
+    return true;
+}
+
+void FaceTree::nearest(std::span<const Point3f> points, float most, std::uint32_t& guess,
+                       std::vector<Hit>& hits) const {
+    hits.resize(points.size());
+    for (std::size_t first = 0; first < points.size(); first += kGroup) {
+        const std::size_t last = std::min(points.size(), first + kGroup);
+        if (!nearest_of_group(points.subspan(first, last - first), most, guess, &hits[first])) {
+            for (std::size_t i = first; i < last; ++i) {
+                hits[i] = nearest(points[i], most, guess);
+                if (hits[i].face != kNone) guess = hits[i].slot;
+            }
+        } else if (hits[last - 1].face != kNone) {
+            guess = hits[last - 1].slot;
+        }
+    }
 }
 
 }  // namespace hewer::rsimp

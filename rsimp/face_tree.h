@@ -34,6 +34,11 @@ class FaceTree {
     /// `guess` is the slot of any face; the nearer it is, the shorter the search.
     [[nodiscard]] Hit nearest(const Point3f& p, float most, std::uint32_t guess) const;
 
+    /// The same for points that follow each other, most of them near the one before: a few of them
+    /// share each walk through the tree. `guess` goes on from call to call.
+    void nearest(std::span<const Point3f> points, float most, std::uint32_t& guess,
+                 std::vector<Hit>& hits) const;
+
   private:
     static constexpr std::size_t kLeaf = 8;
     static constexpr std::size_t kFanOut = 8;
@@ -60,6 +65,17 @@ class FaceTree {
     static void distances_to_leaf(const Leaf& leaf, const Point3f& p, Lanes& squared);
     static void distances_to_node(const Node& node, const Point3f& p, Lanes& squared);
     void search_leaf(std::uint32_t leaf, const Point3f& p, Hit& best) const;
+
+    /// A leaf that is near, and how far its box is.
+    struct NearLeaf {
+        float distance;
+        std::uint32_t leaf;
+    };
+    static constexpr std::size_t kMostNear = 32;
+    using NearLeaves = std::array<NearLeaf, kMostNear>;
+    std::size_t leaves_within(const Point3f& p, float distance, NearLeaves& leaves) const;
+    bool nearest_of_group(std::span<const Point3f> group, float most, std::uint32_t guess,
+                          Hit* hits) const;
 
     std::vector<std::uint32_t> order_;  // of faces, by slot
     std::vector<Leaf> leaves_;

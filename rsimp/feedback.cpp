@@ -2,6 +2,8 @@
 #include "rsimp/feedback.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <vector>
 
@@ -17,13 +19,57 @@ using cluster::CellRecord;
 
 namespace {
 
-// Multiples of the RMS beyond which a cell is far.
-constexpr double kFar = 6;
+// Multiples of the RMS beyond which a cell is far. Of the nearest kCommonShare of the surface: what
+// is lost must not make everything else near.
+constexpr double kFar = 6.5;
+constexpr double kCommonShare = 0.9;
+// Nothing nearer than this part of the mean distance between vertices is far: the plane parts of a
+// model have no RMS to speak of.
+constexpr double kLeastFar = 0.01;
 constexpr double kStiffness = 30;
 // How far around a region faces are looked for, in mean distances between vertices.
 constexpr double kReach = 2;
 // What a cell without area counts for: it still has a place.
 constexpr double kLeastArea = 1e-3;
+
+/// Areas and squares by distance, in steps of a factor of the square root of two.
+class DistanceHistogram {
+  public:
+    void add(float squared, float area) {
+        const auto a = static_cast<double>(area);
+        Bin& bin = bins_[std::bit_cast<std::uint32_t>(squared) >> kDropped];
+        bin.area += a;
+        bin.sum += a * static_cast<double>(squared);
+    }
+    void add(const DistanceHistogram& other) {
+        for (std::size_t i = 0; i < bins_.size(); ++i) {
+            bins_[i].area += other.bins_[i].area;
+            bins_[i].sum += other.bins_[i].sum;
+        }
+    }
+    /// Mean square over the nearest `share` of the area, in whole bins.
+    [[nodiscard]] double mean_square(double share) const {
+        double all = 0;
+        for (const Bin& bin : bins_) all += bin.area;
+        double area = 0;
+        double sum = 0;
+        for (const Bin& bin : bins_) {
+            if (area >= share * all) break;
+            area += bin.area;
+            sum += bin.sum;
+        }
+        return area > 0 ? sum / area : 0;
+    }
+
+  private:
+    // The exponent of a float is left, and its sign, which is always the same here.
+    static constexpr unsigned kDropped = 23;
+    struct Bin {
+        double area = 0;
+        double sum = 0;
+    };
+    std::array<Bin, 256> bins_{};
+};
 
 class Distances {
   public:
@@ -36,7 +82,7 @@ class Distances {
           squared_(context, "distances of cells") {
         double area = 0;
         for (std::size_t r = 0; r < regions_.size(); ++r) area += make_room(r);
-        reach_ = kReach * std::sqrt(area / static_cast<double>(mesh.vertices.size()));
+        spacing_ = std::sqrt(area / static_cast<double>(mesh.vertices.size()));
     }
 
     void measure() {
@@ -47,28 +93,29 @@ class Distances {
         }
         struct Work {
             std::vector<float> squared;
-            double area = 0;
-            double sum = 0;
+            DistanceHistogram histogram;
         };
         const BlocksInFlight in_flight(context_, "regions of the feedback",
-                                       regions_.region_bytes(reach_) + most_cells * sizeof(float) +
+                                       regions_.region_bytes(kReach * spacing_) +
+                                           most_cells * sizeof(float) +
                                            2 * ooc::SpoolReader<CellRecord>::kBufferBytes);
         in_flight.sweep<Work>(
             regions_.size(),
             [&](std::uint64_t r, Work& work) {
-                work = {std::move(work.squared), 0, 0};
-                measure_region(r, positions, work.squared, work.area, work.sum);
+                work.histogram = {};
+                measure_region(r, positions, work.squared, work.histogram);
             },
             [&](std::uint64_t, const Work& work) {
                 squared_.append(work.squared);
-                area_ += work.area;
-                sum_ += work.sum;
+                histogram_.add(work.histogram);
                 for (const float d : work.squared) worst_ = std::max(worst_, d);
             });
     }
 
     [[nodiscard]] const ooc::Spool<float>& squared() const { return squared_; }
-    [[nodiscard]] double rms() const { return area_ > 0 ? std::sqrt(sum_ / area_) : 0; }
+    /// Mean distance between vertices.
+    [[nodiscard]] double spacing() const { return spacing_; }
+    [[nodiscard]] double common_square() const { return histogram_.mean_square(kCommonShare); }
     [[nodiscard]] double worst() const { return std::sqrt(static_cast<double>(worst_)); }
 
   private:
@@ -101,9 +148,10 @@ class Distances {
     }
 
     void measure_region(std::size_t region, const ooc::Spool<Vec3>& positions,
-                        std::vector<float>& squared, double& area, double& sum) const {
+                        std::vector<float>& squared, DistanceHistogram& histogram) const {
+        const double reach = kReach * spacing_;
         std::vector<std::uint64_t> vertices;
-        const MeshPiece piece = regions_.load(region, reach_, positions, vertices);
+        const MeshPiece piece = regions_.load(region, reach, positions, vertices);
         squared.assign(last_cell(region) - first_cell(region), 0.0F);
         if (piece.faces.empty()) return;  // too many of them
         std::vector<Point3f> points(piece.positions.size());
@@ -111,21 +159,27 @@ class Distances {
             points[v] = to_single(piece.positions[v]);
         }
         const FaceTree tree(points, piece.faces);
-        const auto most = static_cast<float>(reach_ * reach_);
+        const auto most = static_cast<float>(reach * reach);
         ooc::SpoolReader<CellRecord> cells(cells_.cells, first_cell(region), last_cell(region));
         ooc::SpoolReader<std::uint64_t> codes(cells_.codes, first_cell(region), last_cell(region));
         std::uint32_t guess = 0;
-        for (float& d : squared) {
-            const CellRecord& cell = *cells.next();
-            const Vec3 mean{static_cast<double>(cell.mean[0]), static_cast<double>(cell.mean[1]),
-                            static_cast<double>(cell.mean[2])};
-            const Vec3 place = cluster::center_of(*codes.next()) + mean + cell.mean_beyond();
-            const FaceTree::Hit hit =
-                tree.nearest(to_single(place - mesh_.origin - piece.centre), most, guess);
-            if (hit.face != FaceTree::kNone) guess = hit.slot;
-            d = hit.squared_distance;
-            area += static_cast<double>(cell.area);
-            sum += static_cast<double>(cell.area) * static_cast<double>(d);
+        std::vector<Point3f> places;
+        std::vector<FaceTree::Hit> hits;
+        std::size_t n_done = 0;
+        for (auto run = cells.next_piece(); !run.empty(); run = cells.next_piece()) {
+            places.clear();
+            for (const CellRecord& cell : run) {
+                const Vec3 mean{static_cast<double>(cell.mean[0]),
+                                static_cast<double>(cell.mean[1]),
+                                static_cast<double>(cell.mean[2])};
+                const Vec3 place = cluster::center_of(*codes.next()) + mean + cell.mean_beyond();
+                places.push_back(to_single(place - mesh_.origin - piece.centre));
+            }
+            tree.nearest(places, most, guess, hits);
+            for (std::size_t i = 0; i < run.size(); ++i) {
+                const float d = squared[n_done++] = hits[i].squared_distance;
+                histogram.add(d, run[i].area);
+            }
         }
     }
 
@@ -134,9 +188,8 @@ class Distances {
     const MeshStore& mesh_;
     MeshRegions regions_;
     ooc::Spool<float> squared_;  // by cell
-    double reach_ = 0;
-    double area_ = 0;
-    double sum_ = 0;
+    double spacing_ = 0;
+    DistanceHistogram histogram_;
     float worst_ = 0;
 };
 
@@ -148,9 +201,9 @@ FeedbackResult feed_back(ooc::Context& context, const CellBlocks& cells, const M
     distances.measure();
     FeedbackResult result;
     result.cells = {context, "cells"};
-    result.rms = distances.rms();
     result.worst = distances.worst();
-    const double bound = kFar * kFar * result.rms * result.rms;
+    const double least = kLeastFar * distances.spacing();
+    const double bound = std::max(kFar * kFar * distances.common_square(), least * least);
     ooc::SpoolReader<CellRecord> records(cells.cells);
     ooc::SpoolReader<float> squared(distances.squared());
     std::vector<CellRecord> stiffer;

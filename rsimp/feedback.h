@@ -15,16 +15,17 @@ namespace hewer::rsimp {
 struct FeedbackResult {
     ooc::Spool<cluster::CellRecord> cells;  ///< to be put in the place of those before
     std::uint64_t n_far = 0;
-    double rms = 0;    ///< distance of the cells' means from the mesh, in cells
-    double worst = 0;  ///< up to kReach mean distances between vertices; farther is not told
+    /// Largest distance of a cell's mean from the mesh, in cells; no more than two mean distances
+    /// between vertices: farther is not told.
+    double worst = 0;
 };
 
 /// What a quadric cannot see: thin pieces have almost no error in any plane, whatever becomes of
 /// them, so they vanish first, and a small place that is far off counts as little as its area. Here
-/// the mean of each cell is measured against a finished mesh; the quadric of each that is more than
-/// kFar times the RMS away gets a point quadric, area |x - mean|^2, kStiffness times as heavy (less
-/// near the bound): the surface is held where it is, in all directions, and splits and collapses
-/// are chosen again. The budget comes from where it is not missed.
+/// the mean of each cell is measured against a finished mesh. The quadric of each that is several
+/// times the common RMS away gets a heavy point quadric, area |x - mean|^2, less heavy near that
+/// bound: the surface is held where it is, in all directions, and splits and collapses are chosen
+/// again. The budget comes from where it is not missed.
 ///
 /// `first_cluster` of each block of cells and the end are those that the mesh was made from.
 /// Passes: one over cells and faces in regions, one over the cells. Memory: MeshRegions, and for

@@ -22,6 +22,8 @@ constexpr double kLeastCosine = -0.2;
 // Cosines of how far a face may turn in a round, and in all of them.
 constexpr double kMostTurn = 0.5;
 constexpr double kMostTurnOfAll = 0.17;
+// 15 degrees more are still allowed after this.
+constexpr double kHardlyTurned = 0.45;
 constexpr double kTiny = 1e-12;
 
 struct Foot {
@@ -102,8 +104,23 @@ bool is_safe(const MeshPiece& piece, const LocalFace& face, std::span<const Vec3
              std::span<const Vec3> moves) {
     std::array<Vec3, 3> now;
     for (std::size_t k = 0; k < 3; ++k) now[k] = piece.positions[face[k]];
-    const Vec3 before = normal_of(now);
     const Vec3 first = normal_of({at_first[face[0]], at_first[face[1]], at_first[face[2]]});
+    const Vec3 crossed = cross(now[1] - now[0], now[2] - now[0]);
+    const double doubled_area = std::sqrt(dot(crossed, crossed));
+    const Vec3 before = doubled_area > kTiny ? (1 / doubled_area) * crossed : Vec3{};
+    // Most moves are short: corners that move by less than a tenth of the least height turn the
+    // face by less than 15 degrees, whichever of them do.
+    double longest_edge = 0;
+    double longest_move = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3 edge = now[(k + 1) % 3] - now[k];
+        longest_edge = std::max(longest_edge, dot(edge, edge));
+        longest_move = std::max(longest_move, dot(moves[face[k]], moves[face[k]]));
+    }
+    if (100 * longest_move * longest_edge < doubled_area * doubled_area &&
+        dot(before, first) > kHardlyTurned) {
+        return true;
+    }
     for (unsigned moved = 1; moved < 8; ++moved) {
         std::array<Vec3, 3> p = now;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -144,11 +161,13 @@ FitMoves::FitMoves(const MeshPiece& piece, double most_distance)
 void FitMoves::pull(std::span<const WeightedPoint> points) {
     if (piece_.faces.empty()) return;
     const std::uint32_t n_own = piece_.n_own;
-    for (const WeightedPoint& point : points) {
-        const FaceTree::Hit hit = tree_.nearest(point.position, most_, guess_);
-        if (hit.face == FaceTree::kNone) continue;
-        guess_ = hit.slot;
-        const LocalFace& face = piece_.faces[hit.face];
+    places_.clear();
+    for (const WeightedPoint& point : points) places_.push_back(point.position);
+    tree_.nearest(places_, most_, guess_, hits_);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (hits_[i].face == FaceTree::kNone) continue;
+        const WeightedPoint& point = points[i];
+        const LocalFace& face = piece_.faces[hits_[i].face];
         if (face[0] >= n_own && face[1] >= n_own && face[2] >= n_own) continue;
         const Vec3 p{point.position[0], point.position[1], point.position[2]};
         const Vec3& a = piece_.positions[face[0]];

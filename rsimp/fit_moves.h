@@ -40,7 +40,9 @@ class FitMoves {
     float most_;  // squared
     FaceTree tree_;
     std::uint32_t guess_ = 0;
-    std::vector<Pull> pulls_;  // by own vertex
+    std::vector<Point3f> places_;      // of the points at hand
+    std::vector<FaceTree::Hit> hits_;  // of them
+    std::vector<Pull> pulls_;          // by own vertex
 };
 
 /// Which of the own vertices must stay: those at a border, and those with a face that would turn by

@@ -78,7 +78,8 @@ std::uint64_t sample_bytes(const MemoryCounts& n) {
 }
 
 std::uint64_t finish_bytes(const MemoryCounts& n) {
-    return sample_bytes(n) + piece_bytes(n) +
+    const std::uint64_t cells = n.has_feedback ? blocks_bytes(n) : 0;
+    return cells + sample_bytes(n) + piece_bytes(n) +
            std::max(cluster_bytes(n), n.clusters * 20 + lod_bytes(n));
 }
 

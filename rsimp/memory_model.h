@@ -20,6 +20,7 @@ struct MemoryCounts {
     unsigned n_threads = 1;
     bool has_attributes = false;
     bool has_fit = false;
+    bool has_feedback = false;
 };
 
 /// Vertices stay in memory while the triangles are read if they take no more than this part of it;

@@ -12,7 +12,7 @@ namespace hewer::rsimp {
 
 namespace {
 
-constexpr std::uint64_t kFacesPerRun = 512;
+constexpr std::uint64_t kFacesPerRun = 256;
 constexpr std::uint64_t kVerticesPerPiece = 1 << 12;
 
 VertexId id_at(const MeshStore& mesh, std::uint64_t rank) {

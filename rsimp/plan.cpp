@@ -154,6 +154,8 @@ PlanReport plan(const std::filesystem::path& input, const SimplifyOptions& optio
     counts.has_attributes =
         info.has_normals || info.has_colors || options.priority == SplitPriority::NormalVariation;
     counts.has_fit = rsimp::fit_rounds(options) > 0;
+    const unsigned n_feedback = rsimp::feedback_rounds(options, rsimp::counts_of(info));
+    counts.has_feedback = n_feedback > 0;
     if (!is_in_order(*source)) counts.triangles_out_of_order = info.n_faces;
     report.memory_limit_bytes =
         options.memory_bytes != 0 ? options.memory_bytes : ooc::default_memory_limit();
@@ -183,8 +185,9 @@ PlanReport plan(const std::filesystem::path& input, const SimplifyOptions& optio
         static_cast<double>(info.n_faces) *
             (kSecondsPerFace + (is_sorted ? kSecondsPerFaceOutOfOrder : 0)) +
         static_cast<double>(report.cells) * kSecondsPerCell +
-        (options.method == Method::Uniform ? 0
-                                           : static_cast<double>(clusters) * kSecondsPerCluster) +
+        (options.method == Method::Uniform
+             ? 0
+             : (1 + n_feedback) * static_cast<double>(clusters) * kSecondsPerCluster) +
         rsimp::fit_rounds(options) * static_cast<double>(report.cells) * kSecondsPerFitSample;
     return report;
 }

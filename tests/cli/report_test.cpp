@@ -81,11 +81,26 @@ TEST(CliReport, of_simplify_has_all_figures) {
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_NE(outcome.out.find("7,200 triangles"), std::string::npos) << outcome.out;
     const json report = json::parse(read_file(dir.file("report.json")));
-    EXPECT_EQ(keys_of(report),
-              (Keys{"version", "command", "options", "input", "grid", "refined_clusters",
-                    "collapses", "lods", "stages", "warnings", "seconds", "bytes_read",
-                    "bytes_written", "temp_bytes_read", "temp_bytes_written", "peak_temp_bytes",
-                    "peak_budget_bytes", "peak_resident_bytes", "result_hash"}));
+    EXPECT_EQ(keys_of(report), (Keys{"version",
+                                     "command",
+                                     "options",
+                                     "input",
+                                     "grid",
+                                     "refined_clusters",
+                                     "feedback",
+                                     "collapses",
+                                     "lods",
+                                     "stages",
+                                     "warnings",
+                                     "seconds",
+                                     "bytes_read",
+                                     "bytes_written",
+                                     "temp_bytes_read",
+                                     "temp_bytes_written",
+                                     "peak_temp_bytes",
+                                     "peak_budget_bytes",
+                                     "peak_resident_bytes",
+                                     "result_hash"}));
     EXPECT_EQ(keys_of(report["input"]), input_keys);
     EXPECT_EQ(keys_of(report["grid"]),
               (Keys{"cell_size", "dimensions", "occupied_cells", "border_cells",

@@ -88,6 +88,36 @@ TEST(FaceTree, FindsTheFaceThatAllComparisonsFind) {
     }
 }
 
+TEST(FaceTree, FindsForManyPointsWhatItFindsForEach) {
+    const std::vector<Mesh> meshes = {test::cube_sphere(40, 0.02, 1), test::random_soup(40, 300, 5),
+                                      test::random_soup(3, 1, 2)};
+    test::Random random(8);
+    for (const Mesh& mesh : meshes) {
+        const Pieces pieces = pieces_of(mesh);
+        const FaceTree tree(pieces.points, pieces.faces);
+        // A walk near the surface, now and then a leap.
+        std::vector<Point3f> points;
+        Point3f p{};
+        for (int i = 0; i < 5000; ++i) {
+            const double step = random.below(50) == 0 ? 1.5 : 0.02;
+            for (float& x : p) x += static_cast<float>(random.between(-step, step));
+            for (float& x : p) x = std::clamp(x, -1.2F, 1.2F);
+            points.push_back(p);
+        }
+        for (const float most : {0.01F, 100.0F}) {
+            std::uint32_t guess = 0;
+            std::vector<FaceTree::Hit> hits;
+            tree.nearest(points, most, guess, hits);
+            ASSERT_EQ(hits.size(), points.size());
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                const FaceTree::Hit hit = tree.nearest(points[i], most, 0);
+                ASSERT_EQ(hits[i].face, hit.face) << i;
+                ASSERT_EQ(hits[i].squared_distance, hit.squared_distance) << i;
+            }
+        }
+    }
+}
+
 TEST(FaceTree, FindsNothingBeyondTheLimit) {
     const Pieces pieces = pieces_of(test::cube_sphere(6));
     const FaceTree tree(pieces.points, pieces.faces);
