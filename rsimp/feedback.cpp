@@ -19,13 +19,17 @@ using cluster::CellRecord;
 
 namespace {
 
-// Multiples of the RMS beyond which a cell is far. Of the nearest kCommonShare of the surface: what
-// is lost must not make everything else near.
+// Multiples of the RMS beyond which a cell is far: of the nearest kCommonShare of the surface, and
+// of all of it. The one is for surfaces with noise all over, the other for those that are mostly
+// plane.
 constexpr double kFar = 6.5;
 constexpr double kCommonShare = 0.9;
+constexpr double kFarOfAll = 3.5;
 // Nothing nearer than this part of the mean distance between vertices is far: the plane parts of a
 // model have no RMS to speak of.
 constexpr double kLeastFar = 0.01;
+// Everything farther than this is: what has vanished must not make itself the norm.
+constexpr double kMostFar = 1.5;
 constexpr double kStiffness = 30;
 // How far around a region faces are looked for, in mean distances between vertices.
 constexpr double kReach = 2;
@@ -113,9 +117,14 @@ class Distances {
     }
 
     [[nodiscard]] const ooc::Spool<float>& squared() const { return squared_; }
-    /// Mean distance between vertices.
-    [[nodiscard]] double spacing() const { return spacing_; }
-    [[nodiscard]] double common_square() const { return histogram_.mean_square(kCommonShare); }
+    /// Square of the distance beyond which a cell is far.
+    [[nodiscard]] double far_square() const {
+        const double common = kFar * kFar * histogram_.mean_square(kCommonShare);
+        const double all = kFarOfAll * kFarOfAll * histogram_.mean_square(1);
+        const double least = kLeastFar * kLeastFar * spacing_ * spacing_;
+        const double most = kMostFar * kMostFar * spacing_ * spacing_;
+        return std::min(std::max({common, all, least}), most);
+    }
     [[nodiscard]] double worst() const { return std::sqrt(static_cast<double>(worst_)); }
 
   private:
@@ -202,8 +211,7 @@ FeedbackResult feed_back(ooc::Context& context, const CellBlocks& cells, const M
     FeedbackResult result;
     result.cells = {context, "cells"};
     result.worst = distances.worst();
-    const double least = kLeastFar * distances.spacing();
-    const double bound = std::max(kFar * kFar * distances.common_square(), least * least);
+    const double bound = distances.far_square();
     ooc::SpoolReader<CellRecord> records(cells.cells);
     ooc::SpoolReader<float> squared(distances.squared());
     std::vector<CellRecord> stiffer;
