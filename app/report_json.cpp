@@ -98,6 +98,16 @@ Json to_value(const FitReport& r) {
             {"held", r.held}};
 }
 
+Json to_value(const LostPlace& p) {
+    return {{"center", to_value(p.center)}, {"size", p.size}, {"cells", p.cells}};
+}
+
+Json to_value(const LostPlaces& r) {
+    Json list = Json::array();
+    for (const LostPlace& place : r.list) list.push_back(to_value(place));
+    return {{"places", r.places}, {"cells", r.cells}, {"list", list}};
+}
+
 Json to_value(const LodReport& r) {
     return {{"path", r.path},
             {"target", to_value(r.target)},
@@ -107,6 +117,7 @@ Json to_value(const LodReport& r) {
             {"bounds", to_value(r.bounds)},
             {"error_bound", r.error_bound},
             {"lost_cells", r.lost_cells},
+            {"lost", to_value(r.lost)},
             {"fit", to_value(r.fit)},
             {"topology", to_value(r.topology)},
             {"is_nested", r.is_nested},

@@ -130,6 +130,7 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
         output.write(chain.mesh(), *sink, lod);
         sink->finish();
         lod.lost_cells = chain.lost_cells();
+        lod.lost = chain.lost_places();
         lod.bytes = sink->bytes_written();
         stages.add_bytes_written(lod.bytes);
         report.bytes_written += lod.bytes;

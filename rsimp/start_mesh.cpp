@@ -69,6 +69,7 @@ Attempt begin(ooc::Context& context, const CellBlocks& cells, const ClusterMesh&
                                                 clusters.is_closed);
     attempt.n_triangles =
         static_cast<double>(start.finisher->begin(ClusterInput(clusters), start.finish));
+    find_lone_cells(context, cells, clusters.origin, start.finish.lost);
     return attempt;
 }
 

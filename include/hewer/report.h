@@ -68,6 +68,22 @@ struct FitReport {
     std::uint64_t held = 0;  ///< vertices that were not let in the last round, borders included
 };
 
+/// A place where a part of the surface went missing.
+struct LostPlace {
+    Vec3 center{};
+    double size = 0;          ///< diagonal of its box, model units
+    std::uint64_t cells = 0;  ///< of the grid
+};
+
+/// Parts of which no triangle is left; those that touch are one place.
+struct LostPlaces {
+    static constexpr std::size_t kMostListed = 100;
+
+    std::uint64_t places = 0;
+    std::uint64_t cells = 0;
+    std::vector<LostPlace> list;  ///< the largest, by size, then place
+};
+
 struct LodReport {
     std::string path;
     Target target;
@@ -81,6 +97,7 @@ struct LodReport {
     /// where nothing was lost, from the original to the LOD.
     double error_bound = 0;
     std::uint64_t lost_cells = 0;  ///< grid cells whose whole surface collapsed away (tiny parts)
+    LostPlaces lost;               ///< where; with parts that fell between the cells
     FitReport fit;
     TopologyReport topology;
     bool is_nested = true;  ///< every vertex of the next finer LOD has one parent here
