@@ -85,10 +85,12 @@ Json to_value(const GridReport& r) {
 }
 
 Json to_value(const TopologyReport& r) {
-    return {{"border_edges", r.border_edges},
+    return {{"components", r.components},
+            {"border_edges", r.border_edges},
+            {"border_loops", r.border_loops},
             {"nonmanifold_edges", r.nonmanifold_edges},
-            {"components", r.components},
-            {"euler_characteristic", r.euler_characteristic}};
+            {"nonmanifold_vertices", r.nonmanifold_vertices},
+            {"euler", r.euler}};
 }
 
 Json to_value(const FitReport& r) {

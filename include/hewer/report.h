@@ -52,12 +52,15 @@ struct GridReport {
     bool is_consistently_wound = true;      ///< false: border quadrics were left out
 };
 
-/// Edge counts of a triangle mesh by indices, as a reader of the file sees them.
+/// A triangle mesh by its indices, as a reader of the file sees it; faces with a repeated corner
+/// and vertices without a face do not count.
 struct TopologyReport {
-    std::uint64_t border_edges = 0;       ///< one face
-    std::uint64_t nonmanifold_edges = 0;  ///< more than two faces
     std::uint64_t components = 0;
-    std::int64_t euler_characteristic = 0;
+    std::uint64_t border_edges = 0;          ///< one face
+    std::uint64_t border_loops = 0;          ///< of these; loops that share a vertex are one
+    std::uint64_t nonmanifold_edges = 0;     ///< more than two faces
+    std::uint64_t nonmanifold_vertices = 0;  ///< at such an edge, or their faces form several fans
+    std::int64_t euler = 0;                  ///< vertices - edges + faces
 };
 
 /// How far the vertices of an LOD were moved towards the original surface, after the collapse.
