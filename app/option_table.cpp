@@ -100,6 +100,14 @@ OptionSpec{"fit", "--fit", "N", T::CountOrOff, kTargets, "rounds, or off", "=4; 
 OptionSpec{"strict", "--strict", "", T::Flag, kTargets, "", "", 0, 0, "", kMethod, false,
     "Refuse an input with defects instead of counting them."},
 
+OptionSpec{"topology_report", "--topology-report", "", T::Flag, kSimplify, "", "", 0, 0, "", kOutput, false,
+    "Put borders, components and what is not manifold of the input into the report, too (those of the "
+    "output are always there): one pass more over the input, as by hewer info --topology."},
+OptionSpec{"topology", "--topology", "", T::Flag, kInfo, "", "", 0, 0, "", kOutput, false,
+    "Count components, borders and what is not manifold: one pass more over the triangles, 4 bytes a "
+    "vertex of memory, and temporary files where the limit is short. Equal corners of an STL are one "
+    "vertex."},
+
 OptionSpec{"samples", "--samples", "N", T::Count, kMeasure, "points a surface, about", "=one a triangle, 500k to 10M", 1, kMostCount, "", kSurface, false,
     "Points spread over each surface by area, besides all of its vertices."},
 OptionSpec{"seed", "--seed", "N", T::Count, kMeasure, "", "1", 0, kMostCount, "", kSurface, false,
@@ -140,9 +148,9 @@ OptionSpec{"memory", "--memory", "SIZE", T::Bytes, kReaders, "bytes", "=the cont
     "All that the process may hold; K, M, G are powers of 1024. Does not change the result."},
 OptionSpec{"threads", "--threads", "N", T::Count, kReaders | kGenerate, "", "=all of the machine", 1, kMostThreads, "", kResources, false,
     "Threads that work at once. Does not change the result."},
-OptionSpec{"temp_dir", "--temp-dir", "DIR", T::Path, kTargets | kMeasure, "", "=TMPDIR, else /tmp", 0, 0, "", kResources, false,
+OptionSpec{"temp_dir", "--temp-dir", "DIR", T::Path, kTargets | kMeasure | kInfo, "", "=TMPDIR, else /tmp", 0, 0, "", kResources, false,
     "Folder for temporary files, which are made when memory runs short."},
-OptionSpec{"max_temp", "--max-temp", "SIZE", T::Bytes, kTargets | kMeasure, "bytes", "=no limit", 1, 0x1p62, "", kResources, false,
+OptionSpec{"max_temp", "--max-temp", "SIZE", T::Bytes, kTargets | kMeasure | kInfo, "bytes", "=no limit", 1, 0x1p62, "", kResources, false,
     "Most disk space that temporary files may take."},
 
 OptionSpec{"report", "--report", "FILE", T::Path, kSimplify | kMeasure, "", "", 0, 0, "", kOutput, false,

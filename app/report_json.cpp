@@ -58,21 +58,32 @@ Json to_value(const InputDefects& d) {
             {"first_out_of_range", d.first_out_of_range}};
 }
 
+Json to_value(const TopologyReport& r) {
+    return {{"components", r.components},
+            {"border_edges", r.border_edges},
+            {"border_loops", r.border_loops},
+            {"nonmanifold_edges", r.nonmanifold_edges},
+            {"nonmanifold_vertices", r.nonmanifold_vertices},
+            {"euler", r.euler}};
+}
+
 Json to_value(const InputReport& r) {
-    return {{"path", r.path},
-            {"format", r.format},
-            {"bytes", r.bytes},
-            {"vertices", r.vertices},
-            {"faces", r.faces},
-            {"triangles", r.triangles},
-            {"bounds", to_value(r.bounds)},
-            {"has_normals", r.has_normals},
-            {"has_colors", r.has_colors},
-            {"ignored", r.ignored},
-            {"defects", to_value(r.defects)},
-            {"area", r.area},
-            {"vertex_passes", r.vertex_passes},
-            {"triangle_passes", r.triangle_passes}};
+    Json json{{"path", r.path},
+              {"format", r.format},
+              {"bytes", r.bytes},
+              {"vertices", r.vertices},
+              {"faces", r.faces},
+              {"triangles", r.triangles},
+              {"bounds", to_value(r.bounds)},
+              {"has_normals", r.has_normals},
+              {"has_colors", r.has_colors},
+              {"ignored", r.ignored},
+              {"defects", to_value(r.defects)},
+              {"area", r.area},
+              {"vertex_passes", r.vertex_passes},
+              {"triangle_passes", r.triangle_passes}};
+    if (r.topology) json["topology"] = to_value(*r.topology);
+    return json;
 }
 
 Json to_value(const GridReport& r) {
@@ -82,15 +93,6 @@ Json to_value(const GridReport& r) {
             {"border_cells", r.border_cells},
             {"surviving_triangles", r.surviving_triangles},
             {"is_consistently_wound", r.is_consistently_wound}};
-}
-
-Json to_value(const TopologyReport& r) {
-    return {{"components", r.components},
-            {"border_edges", r.border_edges},
-            {"border_loops", r.border_loops},
-            {"nonmanifold_edges", r.nonmanifold_edges},
-            {"nonmanifold_vertices", r.nonmanifold_vertices},
-            {"euler", r.euler}};
 }
 
 Json to_value(const FitReport& r) {

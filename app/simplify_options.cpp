@@ -81,6 +81,8 @@ SimplifyOptions make_simplify_options(const Arguments& arguments) {
     if (arguments.is_given("fit")) {
         options.fit_rounds = static_cast<unsigned>(arguments.get<std::uint64_t>("fit"));
     }
+    options.topology_report =
+        arguments.command() == Command::Simplify && arguments.flag("topology_report");
     options.strict = arguments.flag("strict");
     options.memory_bytes = arguments.get<std::uint64_t>("memory");
     options.n_threads = static_cast<unsigned>(arguments.get<std::uint64_t>("threads"));

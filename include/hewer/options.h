@@ -54,9 +54,14 @@ struct SimplifyOptions {
     /// Weight of the border quadrics against the surface quadrics. 0: borders may wander.
     double border_weight = 30.0;
 
-    /// Rounds in which the vertices of each LOD are moved, as a whole, towards the original surface;
-    /// 0: none. Unset: what the method calls for (none for Uniform, none under an error bound).
+    /// Rounds in which the vertices of each LOD are moved, as a whole, towards the original
+    /// surface; 0: none. Unset: what the method calls for (none for Uniform, none under an error
+    /// bound).
     std::optional<unsigned> fit_rounds;
+
+    /// Fill in the topology of the input, too: one pass more over its triangles, with 4 bytes a
+    /// vertex of memory (8 beyond 2^32 vertices).
+    bool topology_report = false;
 
     /// Defects in the input end the run instead of being counted.
     bool strict = false;

@@ -26,6 +26,17 @@ struct StageReport {
     std::uint64_t peak_resident_bytes = 0;  ///< of the process so far, as the system counts it
 };
 
+/// A triangle mesh by its indices, as a reader of the file sees it; faces with a repeated corner
+/// and vertices without a face do not count.
+struct TopologyReport {
+    std::uint64_t components = 0;
+    std::uint64_t border_edges = 0;          ///< one face
+    std::uint64_t border_loops = 0;          ///< of these; loops that share a vertex are one
+    std::uint64_t nonmanifold_edges = 0;     ///< more than two faces
+    std::uint64_t nonmanifold_vertices = 0;  ///< at such an edge, or their faces form several fans
+    std::int64_t euler = 0;                  ///< vertices - edges + faces
+};
+
 struct InputReport {
     std::string path;
     std::string format;
@@ -41,6 +52,7 @@ struct InputReport {
     double area = 0;  ///< of all triangles, square model units
     int vertex_passes = 0;
     int triangle_passes = 0;
+    std::optional<TopologyReport> topology;  ///< where it was asked for; of a soup by positions
 };
 
 struct GridReport {
@@ -50,17 +62,6 @@ struct GridReport {
     std::uint64_t border_cells = 0;         ///< with a border that does not cancel
     std::uint64_t surviving_triangles = 0;  ///< corners in three different cells
     bool is_consistently_wound = true;      ///< false: border quadrics were left out
-};
-
-/// A triangle mesh by its indices, as a reader of the file sees it; faces with a repeated corner
-/// and vertices without a face do not count.
-struct TopologyReport {
-    std::uint64_t components = 0;
-    std::uint64_t border_edges = 0;          ///< one face
-    std::uint64_t border_loops = 0;          ///< of these; loops that share a vertex are one
-    std::uint64_t nonmanifold_edges = 0;     ///< more than two faces
-    std::uint64_t nonmanifold_vertices = 0;  ///< at such an edge, or their faces form several fans
-    std::int64_t euler = 0;                  ///< vertices - edges + faces
 };
 
 /// How far the vertices of an LOD were moved towards the original surface, after the collapse.
