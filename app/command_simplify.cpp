@@ -41,9 +41,14 @@ void print_defects(const InputReport& input) {
 
 void print_summary(const SimplifyReport& r, bool is_reported) {
     const double diagonal = r.input.bounds.diagonal();
+    const char* const where = is_reported ? "; the report lists them" : "; --report lists them";
     std::cout << "input      " << format_plural(r.input.triangles, "triangle") << ", "
               << format_bytes(r.input.bytes) << " (" << r.input.path << ")\n";
     print_defects(r.input);
+    if (r.dropped.places != 0) {
+        std::cout << "dropped    " << format_plural(r.dropped.places, "part") << ", the largest "
+                  << format_length(r.dropped.list[0].size) << " across" << where << '\n';
+    }
     for (const LodReport& lod : r.lods) {
         std::cout << "output     " << format_plural(lod.triangles, "triangle") << ", "
                   << format_count(lod.vertices) << (lod.vertices == 1 ? " vertex" : " vertices")
@@ -54,9 +59,7 @@ void print_summary(const SimplifyReport& r, bool is_reported) {
         if (lod.lost.places != 0) {
             std::cout << "lost       " << format_plural(lod.lost.places, "place")
                       << " too small to stay, the largest " << format_length(lod.lost.list[0].size)
-                      << " across"
-                      << (is_reported ? "; the report lists them" : "; --report lists them")
-                      << '\n';
+                      << " across" << where << '\n';
         }
     }
     std::cout << "time       " << format_seconds(r.seconds) << ", peak memory "

@@ -97,6 +97,9 @@ OptionSpec{"border_weight", "--border-weight", "W", T::Number, kTargets, "", "30
     "Weight of open borders against the surface; 0 lets borders wander."},
 OptionSpec{"fit", "--fit", "N", T::CountOrOff, kTargets, "rounds, or off", "=4; off with --method uniform or --error", 1, 100, "", kMethod, false,
     "Move the vertices of the result, as a whole, towards the original surface."},
+OptionSpec{"drop_parts", "--drop-parts", "SIZE", T::Error, kSimplify, "model units, or % of the diagonal", "", 0, 0, "", kMethod, false,
+    "Remove connected parts whose box has a diagonal below SIZE, to within a cell of the grid, before "
+    "triangles are spent on them; the report lists them."},
 OptionSpec{"strict", "--strict", "", T::Flag, kTargets, "", "", 0, 0, "", kMethod, false,
     "Refuse an input with defects instead of counting them."},
 

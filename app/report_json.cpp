@@ -221,6 +221,7 @@ std::string to_json(const SimplifyReport& r, const Arguments& arguments) {
                  {"options", options},
                  {"input", to_value(r.input)},
                  {"grid", to_value(r.grid)},
+                 {"dropped", to_value(r.dropped)},
                  {"refined_clusters", r.refined_clusters},
                  {"collapses", r.collapses},
                  {"lods", to_list(r.lods)},

@@ -11,6 +11,7 @@
 #include "rsimp/block_refiner.h"
 #include "rsimp/cluster_mesh_builder.h"
 #include "rsimp/clustering.h"
+#include "rsimp/drop_parts.h"
 #include "rsimp/grid_choice.h"
 
 namespace hewer::rsimp {
@@ -135,8 +136,9 @@ StartMesh make_start_mesh(ooc::Context& context, MeshSource& source, const Simpl
     const bool is_given = options.cell_size || options.method == Method::Full;
     for (double finer = 1;; finer *= kFinerGrid) {
         bool is_finest = false;
-        const CellBlocks cells =
-            cluster_input(context, source, options, finer, stages, report, is_finest);
+        const CellBlocks cells = drop_parts(
+            context, cluster_input(context, source, options, finer, stages, report, is_finest),
+            options, report);
         is_finest |= is_given;
         const double error = options.targets.empty()
                                  ? 0

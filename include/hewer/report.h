@@ -113,6 +113,7 @@ struct SimplifyReport {
     SimplifyOptions options;  ///< as asked; 0 and empty ones filled in
     InputReport input;
     GridReport grid;
+    LostPlaces dropped;  ///< parts that were too small for SimplifyOptions::drop_parts
     std::uint64_t refined_clusters = 0;  ///< leaves of the cluster tree; 0 without refinement
     std::uint64_t collapses = 0;         ///< of the finishing edge collapse, all LODs
     std::vector<LodReport> lods;

@@ -82,7 +82,7 @@ TEST(CliReport, of_simplify_has_all_figures) {
     EXPECT_NE(outcome.out.find("7,200 triangles"), std::string::npos) << outcome.out;
     const json report = json::parse(read_file(dir.file("report.json")));
     EXPECT_EQ(keys_of(report),
-              (Keys{"version", "command", "options", "input", "grid", "refined_clusters",
+              (Keys{"version", "command", "options", "input", "grid", "dropped", "refined_clusters",
                     "collapses", "lods", "stages", "warnings", "seconds", "bytes_read",
                     "bytes_written", "temp_bytes_read", "temp_bytes_written", "peak_temp_bytes",
                     "peak_budget_bytes", "peak_resident_bytes", "result_hash"}));
