@@ -127,8 +127,9 @@ KeptCells choose_cells(ooc::Context& context, const CellBlocks& cells, const Fac
     return kept;
 }
 
-void copy_cells(ooc::Context& context, CellBlocks& from, const KeptCells& kept, CellBlocks& to) {
-    cluster::BlockCutter cutter(to, CellBlocks::kMostCells);
+void copy_cells(ooc::Context& context, CellBlocks& from, const KeptCells& kept,
+                std::uint64_t most_cells, CellBlocks& to) {
+    cluster::BlockCutter cutter(to, most_cells);
     ooc::SpoolReader<std::uint64_t> codes(from.codes);
     ooc::SpoolReader<CellRecord> records(from.cells);
     ooc::SpoolReader<cluster::CellAttributes> attributes(from.attributes);
@@ -178,7 +179,7 @@ void copy_faces(ooc::Context& context, CellBlocks& from, const KeptCells& kept, 
 }  // namespace
 
 CellBlocks drop_parts(ooc::Context& context, CellBlocks cells, const SimplifyOptions& options,
-                      SimplifyReport& report) {
+                      SimplifyReport& report, std::uint64_t most_cells) {
     if (!options.drop_parts) return cells;
     report.dropped = {};
     const double least = target_error(*options.drop_parts, report.input.bounds);
@@ -208,7 +209,7 @@ CellBlocks drop_parts(ooc::Context& context, CellBlocks cells, const SimplifyOpt
     CellBlocks result =
         cluster::make_cell_blocks(context, cells.lattice, cells.grid, !cells.attributes.empty());
     result.is_consistently_wound = cells.is_consistently_wound;
-    copy_cells(context, cells, kept, result);
+    copy_cells(context, cells, kept, most_cells, result);
     copy_faces(context, cells, kept, result);
     return result;
 }

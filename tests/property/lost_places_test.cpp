@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "ooc/vec3.h"
+#include "tests/support/dust.h"
 #include "tests/support/mesh_checks.h"
 #include "tests/support/run_simplify.h"
 #include "tests/support/shapes.h"
@@ -15,33 +15,6 @@
 namespace hewer::test {
 
 namespace {
-
-/// A sphere of radius 1 and `n` small ones around it, with radii from `least` to `most`.
-struct Dust {
-    Dust(std::size_t n, double least, double most) : mesh(cube_sphere(40, 0.002)) {
-        for (std::size_t i = 0; i < n; ++i) {
-            const double angle = 6.2831853 * static_cast<double>(i) / static_cast<double>(n);
-            const double share = static_cast<double>(i) / static_cast<double>(n);
-            centers.push_back({1.6 * std::cos(angle), 1.6 * std::sin(angle), 0});
-            radii.push_back(least * std::pow(most / least, share));
-            const double r = radii.back();
-            mesh = joined(mesh, translated(scaled(cube_sphere(3), {r, r, r}), centers.back()));
-        }
-    }
-    Mesh mesh;
-    std::vector<Vec3> centers;
-    std::vector<double> radii;
-};
-
-double distance(const Vec3& a, const Vec3& b) {
-    return std::sqrt(dot(a - b, a - b));
-}
-
-/// A vertex of `mesh` lies in the ball.
-bool is_there(const Mesh& mesh, const Vec3& center, double radius) {
-    return std::any_of(mesh.positions.begin(), mesh.positions.end(),
-                       [&](const Vec3& p) { return distance(p, center) <= radius; });
-}
 
 bool is_listed(const LostPlaces& lost, const Vec3& center, double slack) {
     return std::any_of(lost.list.begin(), lost.list.end(), [&](const LostPlace& place) {
@@ -62,8 +35,7 @@ TEST(LostPlaces, EveryPartThatIsGoneIsListedWhateverTheMethod) {
             const double cell = run.report.grid.cell_size;
             std::size_t n_gone = 0;
             for (std::size_t i = 0; i < dust.centers.size(); ++i) {
-                if (is_there(run.lods[0], dust.centers[i], 3.5 * dust.radii[i] + 2 * cell))
-                    continue;
+                if (dust.is_in(run.lods[0], i, cell)) continue;
                 ++n_gone;
                 EXPECT_TRUE(is_listed(lod.lost, dust.centers[i], 2 * cell + dust.radii[i]))
                     << "part " << i << " of radius " << dust.radii[i] << ", method "
