@@ -14,8 +14,8 @@ namespace hewer::rsimp {
 
 using streaming::FaceWindow;
 
-/// Faces [first, last) of `mesh`, by output indices. Any thread. Memory: kWindowFaceBytes a face at most, with what
-/// count_window() and order_for_vertex_cache() add.
+/// Faces [first, last) of `mesh`, by output indices. Any thread. Memory: kWindowFaceBytes a face at
+/// most, with what count_window() and order_for_vertex_cache() add.
 FaceWindow load_window(const MeshStore& mesh, const IdIndex& index, std::uint64_t first,
                        std::uint64_t last);
 inline constexpr std::uint64_t kWindowFaceBytes = 192;

@@ -21,8 +21,8 @@ struct CodedPart {
 };
 
 bool is_before(const CodedPart& a, const CodedPart& b) {
-    return std::tie(a.code, a.part.box, a.part.n_cells, a.part.is_lone) <
-           std::tie(b.code, b.part.box, b.part.n_cells, b.part.is_lone);
+    return std::tie(a.code, a.part.box, a.part.n_cells, a.part.is_unseen) <
+           std::tie(b.code, b.part.box, b.part.n_cells, b.part.is_unseen);
 }
 
 /// Morton code of the low corner. The frame's origin lies in the middle of the grid, so that no
@@ -96,8 +96,8 @@ void group(std::vector<LostPart>& parts, const PlaceFrame& frame, LostPlaces& pl
             const std::uint32_t a = find(i);
             const std::uint32_t b = find(j);
             label[std::max(a, b)] = std::min(a, b);
-            if (part.is_lone > other.is_lone && is_inside(part, other)) is_counted[i] = false;
-            if (part.is_lone < other.is_lone && is_inside(other, part)) is_counted[j] = false;
+            if (part.is_unseen > other.is_unseen && is_inside(part, other)) is_counted[i] = false;
+            if (part.is_unseen < other.is_unseen && is_inside(other, part)) is_counted[j] = false;
         }
         open.push_back(i);
     }

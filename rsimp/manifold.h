@@ -17,7 +17,7 @@ struct ManifoldCounts {
     std::uint64_t cut_vertices = 0;     ///< clusters that became more than one vertex
     std::uint64_t lost_cells = 0;       ///< of clusters of which no face is left
     /// These clusters, bar single cells that had no face to begin with: a surface grazed them, and
-    /// what stands for it is next to them (find_lone_cells() has the others).
+    /// what stands for it is next to them (find_unseen_cells() has the others).
     std::vector<LostPart> lost;
 };
 

@@ -70,7 +70,7 @@ Attempt begin(ooc::Context& context, const CellBlocks& cells, const ClusterMesh&
                                                 clusters.is_closed);
     attempt.n_triangles =
         static_cast<double>(start.finisher->begin(ClusterInput(clusters), start.finish));
-    find_lone_cells(context, cells, clusters.origin, start.finish.lost);
+    find_unseen_cells(context, cells, clusters, start.finish.lost);
     return attempt;
 }
 

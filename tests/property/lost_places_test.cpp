@@ -27,7 +27,10 @@ bool is_listed(const LostPlaces& lost, const Vec3& center, double slack) {
 TEST(LostPlaces, EveryPartThatIsGoneIsListedWhateverTheMethod) {
     const Dust dust(24, 0.001, 0.08);
     for (const Method method : {Method::Refine, Method::Uniform, Method::Full}) {
-        for (const double triangles : {6000.0, 1500.0, 400.0}) {
+        for (const double triangles : {6000.0, 1500.0, 400.0, 60.0}) {
+            // Clusters of a hundred cells hold several parts: then parts of three clusters can fold
+            // into bubbles that are not told from those of a large part.
+            if (triangles < 100 && method != Method::Uniform) continue;
             SimplifyOptions options = options_for(Target::Kind::Triangles, triangles);
             options.method = method;
             const Outcome run = run_simplify(dust.mesh, options);

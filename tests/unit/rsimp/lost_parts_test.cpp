@@ -8,6 +8,7 @@
 #include <numeric>
 #include <vector>
 
+#include "rsimp/cluster_mesh_builder.h"
 #include "tests/support/clustered_mesh.h"
 #include "tests/support/shapes.h"
 
@@ -17,8 +18,8 @@ namespace {
 
 constexpr PlaceFrame kFrame{{10, 20, 30}, 0.5};
 
-LostPart cell_box(const Vec3& low, double size, std::uint32_t n_cells, bool is_lone = false) {
-    LostPart part{{}, n_cells, is_lone ? 1U : 0U};
+LostPart cell_box(const Vec3& low, double size, std::uint32_t n_cells, bool is_unseen = false) {
+    LostPart part{{}, n_cells, is_unseen ? 1U : 0U};
     for (std::size_t k = 0; k < 3; ++k) {
         part.box[k] = static_cast<float>(low[k]);
         part.box[3 + k] = static_cast<float>(low[k] + size);
@@ -64,11 +65,11 @@ void expect_equal(const LostPlaces& a, const LostPlaces& b) {
     }
 }
 
-std::vector<LostPart> lone_cells(const Mesh& mesh, double resolution, std::uint64_t most_cells) {
+std::vector<LostPart> unseen_cells(const Mesh& mesh, double resolution, std::uint64_t most_cells) {
     const auto context = test::make_context();
     const cluster::CellBlocks cells = test::cluster_mesh(*context, mesh, resolution, 1, most_cells);
     ooc::Spool<LostPart> lost;
-    find_lone_cells(*context, cells, {0, 0, 0}, lost);
+    find_unseen_cells(*context, cells, cells_as_clusters(*context, cells), lost);
     return test::read_all(lost);
 }
 
@@ -155,33 +156,67 @@ TEST(LostPlaces, MoreThanAreComparedAtOnceAreAllCountedAndTheLargestListed) {
     expect_equal(places, places_of(parts));
 }
 
-TEST(LostPlaces, ALoneCellOfALostClusterCountsOnce) {
+TEST(LostPlaces, AnUnseenCellOfALostClusterCountsOnce) {
     EXPECT_EQ(places_of({cell_box({0, 0, 0}, 2, 3), cell_box({1, 1, 1}, 1, 1, true)}).cells, 3U);
     EXPECT_EQ(places_of({cell_box({1, 1, 1}, 1, 1), cell_box({1, 1, 1}, 1, 1, true)}).cells, 1U);
     EXPECT_EQ(places_of({cell_box({0, 0, 0}, 2, 3), cell_box({2, 1, 1}, 1, 1, true)}).cells, 4U);
 }
 
-TEST(LoneCells, AreThoseWithoutAFaceAwayFromAllFaces) {
+TEST(UnseenCells, AreThoseWithoutAFaceAwayFromAllFaces) {
     // A sphere of radius 20 in a grid of cells of about 1; specks apart from it, and one at it.
     Mesh mesh = test::scaled(test::cube_sphere(30, 0.0), {20, 20, 20});
-    const std::size_t n_without = lone_cells(mesh, 41, 1 << 15).size();
+    const std::size_t n_without = unseen_cells(mesh, 41, 1 << 15).size();
     EXPECT_EQ(n_without, 0U);
     mesh = test::joined(mesh, speck({0.3, 0.3, 0.3}));
     mesh = test::joined(mesh, speck({5.3, -6.7, 0.3}));
     mesh = test::joined(mesh, speck({19.6, 0.3, 0.3}));
     std::vector<LostPart> whole;
     for (const std::uint64_t most_cells : {1U << 15, 200U, 8U}) {
-        const std::vector<LostPart> lone = lone_cells(mesh, 40, most_cells);
-        EXPECT_GE(lone.size(), 2U);
-        EXPECT_LE(lone.size(), 6U) << "a speck may lie across the side of a cell";
-        for (const LostPart& part : lone) {
+        const std::vector<LostPart> unseen = unseen_cells(mesh, 40, most_cells);
+        EXPECT_GE(unseen.size(), 2U);
+        EXPECT_LE(unseen.size(), 6U) << "a speck may lie across the side of a cell";
+        for (const LostPart& part : unseen) {
             EXPECT_EQ(part.n_cells, 1U);
-            EXPECT_EQ(part.is_lone, 1U);
+            EXPECT_EQ(part.is_unseen, 1U);
             for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(part.box[3 + k] - part.box[k], 1.0F);
         }
-        EXPECT_EQ(places_of(lone).places, 2U);
-        if (whole.empty()) whole = lone;
-        EXPECT_EQ(places_of(lone).cells, places_of(whole).cells) << "blocks do not show";
+        EXPECT_EQ(places_of(unseen).places, 2U);
+        if (whole.empty()) whole = unseen;
+        EXPECT_EQ(places_of(unseen).cells, places_of(whole).cells) << "blocks do not show";
+    }
+}
+
+TEST(UnseenCells, PartsThatShareTheirClustersAreUnseen) {
+    // Spheres some cells across, and one cluster, two, or one for each octant of the box.
+    const Mesh mesh = test::joined(
+        test::cube_sphere(40),
+        test::translated(test::scaled(test::cube_sphere(4), {0.1, 0.1, 0.1}), {0.8, 0.8, 0.8}));
+    for (const std::uint64_t most_cells : {1U << 15, 300U}) {
+        const auto context = test::make_context();
+        const cluster::CellBlocks cells = test::cluster_mesh(*context, mesh, 40, 1, most_cells);
+        const auto unseen_with = [&](const GroupCells& group) {
+            ooc::Spool<LostPart> lost;
+            find_unseen_cells(*context, cells, build_cluster_mesh(*context, cells, group), lost);
+            return places_of(test::read_all(lost));
+        };
+        // Pairs of cells: both parts are there. Blocks as clusters: a part inside one is not.
+        const LostPlaces pairs = unseen_with([&](std::size_t b, CellGroups& groups) {
+            const std::uint64_t n = cells.blocks[b + 1].first_cell - cells.blocks[b].first_cell;
+            for (std::uint64_t i = 0; i < n; i += 2) {
+                groups.begins.push_back(static_cast<LocalCell>(i));
+            }
+        });
+        EXPECT_EQ(pairs.places, 0U);
+        const LostPlaces whole =
+            unseen_with([](std::size_t, CellGroups& groups) { groups.begins = {0}; });
+        if (most_cells == 300) {
+            ASSERT_EQ(whole.places, 1U);
+            for (const double x : whole.list[0].center) EXPECT_GT(x, 0);
+            EXPECT_GT(whole.cells, 20U);
+            EXPECT_LT(whole.cells, 300U);
+        } else {
+            EXPECT_EQ(whole.places, 2U) << "one cluster shows nothing";
+        }
     }
 }
 
