@@ -103,14 +103,6 @@ OptionSpec{"drop_parts", "--drop-parts", "SIZE", T::Error, kSimplify, "model uni
 OptionSpec{"strict", "--strict", "", T::Flag, kTargets, "", "", 0, 0, "", kMethod, false,
     "Refuse an input with defects instead of counting them."},
 
-OptionSpec{"topology_report", "--topology-report", "", T::Flag, kSimplify, "", "", 0, 0, "", kOutput, false,
-    "Put borders, components and what is not manifold of the input into the report, too (those of the "
-    "output are always there): one pass more over the input, as by hewer info --topology."},
-OptionSpec{"topology", "--topology", "", T::Flag, kInfo, "", "", 0, 0, "", kOutput, false,
-    "Count components, borders and what is not manifold: one pass more over the triangles, 4 bytes a "
-    "vertex of memory, and temporary files where the limit is short. Equal corners of an STL are one "
-    "vertex."},
-
 OptionSpec{"samples", "--samples", "N", T::Count, kMeasure, "points a surface, about", "=one a triangle, 500k to 10M", 1, kMostCount, "", kSurface, false,
     "Points spread over each surface by area, besides all of its vertices."},
 OptionSpec{"seed", "--seed", "N", T::Count, kMeasure, "", "1", 0, kMostCount, "", kSurface, false,
@@ -160,6 +152,13 @@ OptionSpec{"report", "--report", "FILE", T::Path, kSimplify | kMeasure, "", "", 
     "Write all figures of the run as JSON."},
 OptionSpec{"json", "--json", "", T::Flag, kInfo | kPlan, "", "", 0, 0, "", kOutput, false,
     "Print JSON instead of words."},
+OptionSpec{"topology_report", "--topology-report", "", T::Flag, kSimplify, "", "", 0, 0, "", kOutput, false,
+    "Put borders, components and what is not manifold of the input into the report, too (those of the "
+    "output are always there): one pass more over the input, as by hewer info --topology."},
+OptionSpec{"topology", "--topology", "", T::Flag, kInfo, "", "", 0, 0, "", kOutput, false,
+    "Count components, borders and what is not manifold: one pass more over the triangles, 4 bytes a "
+    "vertex of memory, and temporary files where the limit is short. Equal corners of an STL are one "
+    "vertex."},
 OptionSpec{"progress", "--progress", "HOW", T::Choice, kSimplify | kMeasure | kInfo | kGenerate | kRender, "", "=bar on a terminal, else none", 0, 0, "bar|json|none", kOutput, false,
     "Progress on standard error: a bar, or one JSON object a line."},
 OptionSpec{"quiet", "--quiet", "", T::Flag, kSimplify | kMeasure | kGenerate | kRender, "", "", 0, 0, "", kOutput, false,

@@ -53,9 +53,11 @@ struct Attempt {
     double n_triangles = 0;
 };
 
-Attempt begin(ooc::Context& context, const CellBlocks& cells, const ClusterMesh& clusters) {
+Attempt begin(ooc::Context& context, const CellBlocks& cells, ClusterMesh clusters) {
     Attempt attempt;
     StartMesh& start = attempt.start;
+    find_unseen_cells(context, cells, clusters, start.finish.lost);
+    clusters.cluster_of_cell.release();
     start.lattice = cells.lattice;
     start.grid = cells.grid;
     start.is_closed = clusters.is_closed;
@@ -70,7 +72,6 @@ Attempt begin(ooc::Context& context, const CellBlocks& cells, const ClusterMesh&
                                                 clusters.is_closed);
     attempt.n_triangles =
         static_cast<double>(start.finisher->begin(ClusterInput(clusters), start.finish));
-    find_unseen_cells(context, cells, clusters, start.finish.lost);
     return attempt;
 }
 
