@@ -58,8 +58,8 @@ void print_summary(const SimplifyReport& r, bool is_reported) {
         std::cout << '\n';
         if (lod.lost.places != 0) {
             std::cout << "lost       " << format_plural(lod.lost.places, "place")
-                      << " too small to stay, the largest " << format_length(lod.lost.list[0].size)
-                      << " across" << where << '\n';
+                      << " where parts were too small to stay or folded up, the largest "
+                      << format_length(lod.lost.list[0].size) << " across" << where << '\n';
         }
     }
     std::cout << "time       " << format_seconds(r.seconds) << ", peak memory "
