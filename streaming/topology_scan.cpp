@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "ooc/external_sort.h"
@@ -75,12 +76,12 @@ ooc::Spool<NumberedCorner> number_vertices(ooc::Context& context, MeshSource& so
             for (const Vec3& p : triangle) by_position.add(Corner::make(p, n_corners++));
         }
     });
-    ooc::Spool<Corner> placed = by_position.finish();
     ooc::ExternalSorter<NumberedCorner, std::less<>> by_number(context, "corners by triangle", {},
                                                                sort_bytes(context));
     n_vertices = 0;
     std::array<Real, 3> last{};
     {
+        ooc::Spool<Corner> placed = by_position.finish();
         ooc::SpoolReader<Corner> reader(placed);
         while (const Corner* corner = reader.next()) {
             if (n_vertices == 0 || corner->position != last) ++n_vertices;
@@ -94,32 +95,36 @@ ooc::Spool<NumberedCorner> number_vertices(ooc::Context& context, MeshSource& so
             }
         }
     }
-    placed.release();
     return by_number.finish();
+}
+
+void add_triangles(ooc::Context& context, ooc::Spool<NumberedCorner> corners,
+                   TopologyCounter& counter) {
+    constexpr std::size_t kPiece = 1 << 13;
+    ooc::SpoolReader<NumberedCorner> reader(corners);
+    std::vector<Triangle> piece;
+    while (reader.peek() != nullptr) {
+        piece.clear();
+        while (piece.size() < kPiece && reader.peek() != nullptr) {
+            Triangle& t = piece.emplace_back();
+            for (std::uint64_t& v : t) v = (*reader.next())[1];
+        }
+        counter.add(piece);
+        corners.discard_before(reader.position());
+        context.check_stop();
+    }
 }
 
 TopologyReport count_soup(ooc::Context& context, MeshSource& source) {
     std::uint64_t n_vertices = 0;
-    ooc::Spool<NumberedCorner> corners = source.info().has_double_positions
-                                             ? number_vertices<double>(context, source, n_vertices)
-                                             : number_vertices<float>(context, source, n_vertices);
-    TopologyCounter counter(context, n_vertices, sort_bytes(context));
-    {
-        ooc::SpoolReader<NumberedCorner> reader(corners);
-        constexpr std::size_t kPiece = 1 << 13;
-        std::vector<Triangle> piece;
-        while (reader.peek() != nullptr) {
-            piece.clear();
-            while (piece.size() < kPiece && reader.peek() != nullptr) {
-                Triangle& t = piece.emplace_back();
-                for (std::uint64_t& v : t) v = (*reader.next())[1];
-            }
-            counter.add(piece);
-            corners.discard_before(reader.position());
-            context.check_stop();
-        }
+    ooc::Spool<NumberedCorner> corners;
+    if (source.info().has_double_positions) {
+        corners = number_vertices<double>(context, source, n_vertices);
+    } else {
+        corners = number_vertices<float>(context, source, n_vertices);
     }
-    corners.release();
+    TopologyCounter counter(context, n_vertices, sort_bytes(context));
+    add_triangles(context, std::move(corners), counter);
     return counter.finish();
 }
 
