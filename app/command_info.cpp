@@ -16,6 +16,16 @@ namespace hewer::app {
 
 namespace {
 
+void print_topology(const TopologyReport& t) {
+    std::cout << "topology   " << format_plural(t.components, "component")
+              << ", Euler characteristic " << t.euler << '\n'
+              << "           " << format_plural(t.border_edges, "border edge") << " in "
+              << format_plural(t.border_loops, "loop") << '\n'
+              << "           not manifold: " << format_plural(t.nonmanifold_edges, "edge") << ", "
+              << format_count(t.nonmanifold_vertices)
+              << (t.nonmanifold_vertices == 1 ? " vertex" : " vertices") << '\n';
+}
+
 void print_info(const InputReport& r) {
     std::cout << r.path << ": " << r.format << ", " << format_bytes(r.bytes) << '\n';
     if (r.vertices != 0) {
@@ -36,6 +46,7 @@ void print_info(const InputReport& r) {
         for (const std::string& name : r.ignored) std::cout << ' ' << name;
         std::cout << '\n';
     }
+    if (r.topology) print_topology(*r.topology);
     const InputDefects& d = r.defects;
     const std::array<std::pair<std::uint64_t, std::string>, 6> rows{{
         {d.nonfinite_vertices, "vertices with a coordinate that is not finite"},
@@ -65,9 +76,13 @@ void print_info(const InputReport& r) {
 
 void run_info(const Arguments& arguments, const std::stop_token& stop) {
     ProgressPrinter printer(choose_progress_style(arguments.get<std::string>("progress"), false));
-    const InputReport report =
-        info(arguments.path("input"), arguments.get<std::uint64_t>("memory"),
-             static_cast<unsigned>(arguments.get<std::uint64_t>("threads")), printer.hooks(stop));
+    InfoOptions options;
+    options.with_topology = arguments.flag("topology");
+    options.memory_bytes = arguments.get<std::uint64_t>("memory");
+    options.n_threads = static_cast<unsigned>(arguments.get<std::uint64_t>("threads"));
+    options.temp_dir = arguments.path("temp_dir");
+    options.max_temp_bytes = arguments.get<std::uint64_t>("max_temp");
+    const InputReport report = info(arguments.path("input"), options, printer.hooks(stop));
     printer.finish();
     if (arguments.flag("json")) {
         std::cout << to_json(report);

@@ -39,22 +39,28 @@ void print_defects(const InputReport& input) {
               << format_plural(d.degenerate_triangles, "degenerate triangle") << '\n';
 }
 
-void print_summary(const SimplifyReport& r) {
+void print_summary(const SimplifyReport& r, bool is_reported) {
     const double diagonal = r.input.bounds.diagonal();
+    const char* const where = is_reported ? "; the report lists them" : "; --report lists them";
     std::cout << "input      " << format_plural(r.input.triangles, "triangle") << ", "
               << format_bytes(r.input.bytes) << " (" << r.input.path << ")\n";
     print_defects(r.input);
+    if (r.dropped.places != 0) {
+        std::cout << "dropped    " << format_plural(r.dropped.places, "part") << ", the largest "
+                  << format_length(r.dropped.list[0].size) << " across" << where << '\n';
+    }
     for (const LodReport& lod : r.lods) {
         std::cout << "output     " << format_plural(lod.triangles, "triangle") << ", "
                   << format_count(lod.vertices) << (lod.vertices == 1 ? " vertex" : " vertices")
                   << ", " << format_bytes(lod.bytes) << " (" << lod.path << ")\n"
                   << "           no vertex moved farther than " << format_length(lod.error_bound)
                   << " (" << format_percent(lod.error_bound, diagonal) << " of the diagonal)";
-        if (lod.lost_cells != 0) {
-            std::cout << ", bar " << format_plural(lod.lost_cells, "cell")
-                      << " whose parts were too small to stay";
-        }
         std::cout << '\n';
+        if (lod.lost.places != 0) {
+            std::cout << "lost       " << format_plural(lod.lost.places, "place")
+                      << " where parts were too small to stay or folded up, the largest "
+                      << format_length(lod.lost.list[0].size) << " across" << where << '\n';
+        }
     }
     std::cout << "time       " << format_seconds(r.seconds) << ", peak memory "
               << format_bytes(r.peak_resident_bytes) << '\n';
@@ -74,7 +80,7 @@ void run_simplify(const Arguments& arguments, const std::stop_token& stop) {
         simplify_file(arguments.path("input"), arguments.path("output"), options,
                       printer.hooks(stop), arguments.flag("force"));
     printer.finish();
-    if (!arguments.flag("quiet")) print_summary(report);
+    if (!arguments.flag("quiet")) print_summary(report, arguments.is_given("report"));
     if (arguments.is_given("report")) {
         write_text_file(arguments.path("report"), to_json(report, arguments),
                         arguments.flag("force"));

@@ -99,6 +99,9 @@ OptionSpec{"feedback", "--feedback", "N", T::CountOrOff, kTargets, "rounds, or o
     "Find the places where a first result is far from the input, and give them more triangles."},
 OptionSpec{"fit", "--fit", "N", T::CountOrOff, kTargets, "rounds, or off", "=4; off with --method uniform or --error", 1, 100, "", kMethod, false,
     "Move the vertices of the result, as a whole, towards the original surface."},
+OptionSpec{"drop_parts", "--drop-parts", "SIZE", T::Error, kSimplify, "model units, or % of the diagonal", "", 0, 0, "", kMethod, false,
+    "Remove connected parts whose box has a diagonal below SIZE, to within a cell of the grid, before "
+    "triangles are spent on them; the report lists them."},
 OptionSpec{"strict", "--strict", "", T::Flag, kTargets, "", "", 0, 0, "", kMethod, false,
     "Refuse an input with defects instead of counting them."},
 
@@ -142,15 +145,22 @@ OptionSpec{"memory", "--memory", "SIZE", T::Bytes, kReaders, "bytes", "=the cont
     "All that the process may hold; K, M, G are powers of 1024. Does not change the result."},
 OptionSpec{"threads", "--threads", "N", T::Count, kReaders | kGenerate, "", "=all of the machine", 1, kMostThreads, "", kResources, false,
     "Threads that work at once. Does not change the result."},
-OptionSpec{"temp_dir", "--temp-dir", "DIR", T::Path, kTargets | kMeasure, "", "=TMPDIR, else /tmp", 0, 0, "", kResources, false,
+OptionSpec{"temp_dir", "--temp-dir", "DIR", T::Path, kTargets | kMeasure | kInfo, "", "=TMPDIR, else /tmp", 0, 0, "", kResources, false,
     "Folder for temporary files, which are made when memory runs short."},
-OptionSpec{"max_temp", "--max-temp", "SIZE", T::Bytes, kTargets | kMeasure, "bytes", "=no limit", 1, 0x1p62, "", kResources, false,
+OptionSpec{"max_temp", "--max-temp", "SIZE", T::Bytes, kTargets | kMeasure | kInfo, "bytes", "=no limit", 1, 0x1p62, "", kResources, false,
     "Most disk space that temporary files may take."},
 
 OptionSpec{"report", "--report", "FILE", T::Path, kSimplify | kMeasure, "", "", 0, 0, "", kOutput, false,
     "Write all figures of the run as JSON."},
 OptionSpec{"json", "--json", "", T::Flag, kInfo | kPlan, "", "", 0, 0, "", kOutput, false,
     "Print JSON instead of words."},
+OptionSpec{"topology_report", "--topology-report", "", T::Flag, kSimplify, "", "", 0, 0, "", kOutput, false,
+    "Put borders, components and what is not manifold of the input into the report, too (those of the "
+    "output are always there): one pass more over the input, as by hewer info --topology."},
+OptionSpec{"topology", "--topology", "", T::Flag, kInfo, "", "", 0, 0, "", kOutput, false,
+    "Count components, borders and what is not manifold: one pass more over the triangles, 4 bytes a "
+    "vertex of memory, and temporary files where the limit is short. Equal corners of an STL are one "
+    "vertex."},
 OptionSpec{"progress", "--progress", "HOW", T::Choice, kSimplify | kMeasure | kInfo | kGenerate | kRender, "", "=bar on a terminal, else none", 0, 0, "bar|json|none", kOutput, false,
     "Progress on standard error: a bar, or one JSON object a line."},
 OptionSpec{"quiet", "--quiet", "", T::Flag, kSimplify | kMeasure | kGenerate | kRender, "", "", 0, 0, "", kOutput, false,

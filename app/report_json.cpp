@@ -58,21 +58,32 @@ Json to_value(const InputDefects& d) {
             {"first_out_of_range", d.first_out_of_range}};
 }
 
+Json to_value(const TopologyReport& r) {
+    return {{"components", r.components},
+            {"border_edges", r.border_edges},
+            {"border_loops", r.border_loops},
+            {"nonmanifold_edges", r.nonmanifold_edges},
+            {"nonmanifold_vertices", r.nonmanifold_vertices},
+            {"euler", r.euler}};
+}
+
 Json to_value(const InputReport& r) {
-    return {{"path", r.path},
-            {"format", r.format},
-            {"bytes", r.bytes},
-            {"vertices", r.vertices},
-            {"faces", r.faces},
-            {"triangles", r.triangles},
-            {"bounds", to_value(r.bounds)},
-            {"has_normals", r.has_normals},
-            {"has_colors", r.has_colors},
-            {"ignored", r.ignored},
-            {"defects", to_value(r.defects)},
-            {"area", r.area},
-            {"vertex_passes", r.vertex_passes},
-            {"triangle_passes", r.triangle_passes}};
+    Json json{{"path", r.path},
+              {"format", r.format},
+              {"bytes", r.bytes},
+              {"vertices", r.vertices},
+              {"faces", r.faces},
+              {"triangles", r.triangles},
+              {"bounds", to_value(r.bounds)},
+              {"has_normals", r.has_normals},
+              {"has_colors", r.has_colors},
+              {"ignored", r.ignored},
+              {"defects", to_value(r.defects)},
+              {"area", r.area},
+              {"vertex_passes", r.vertex_passes},
+              {"triangle_passes", r.triangle_passes}};
+    if (r.topology) json["topology"] = to_value(*r.topology);
+    return json;
 }
 
 Json to_value(const GridReport& r) {
@@ -82,13 +93,6 @@ Json to_value(const GridReport& r) {
             {"border_cells", r.border_cells},
             {"surviving_triangles", r.surviving_triangles},
             {"is_consistently_wound", r.is_consistently_wound}};
-}
-
-Json to_value(const TopologyReport& r) {
-    return {{"border_edges", r.border_edges},
-            {"nonmanifold_edges", r.nonmanifold_edges},
-            {"components", r.components},
-            {"euler_characteristic", r.euler_characteristic}};
 }
 
 Json to_value(const FitReport& r) {
@@ -105,6 +109,16 @@ Json to_value(const FeedbackReport& r) {
             {"last_worst", r.last_worst}};
 }
 
+Json to_value(const LostPlace& p) {
+    return {{"center", to_value(p.center)}, {"size", p.size}, {"cells", p.cells}};
+}
+
+Json to_value(const LostPlaces& r) {
+    Json list = Json::array();
+    for (const LostPlace& place : r.list) list.push_back(to_value(place));
+    return {{"places", r.places}, {"cells", r.cells}, {"list", list}};
+}
+
 Json to_value(const LodReport& r) {
     return {{"path", r.path},
             {"target", to_value(r.target)},
@@ -114,6 +128,7 @@ Json to_value(const LodReport& r) {
             {"bounds", to_value(r.bounds)},
             {"error_bound", r.error_bound},
             {"lost_cells", r.lost_cells},
+            {"lost", to_value(r.lost)},
             {"fit", to_value(r.fit)},
             {"topology", to_value(r.topology)},
             {"is_nested", r.is_nested},
@@ -213,6 +228,7 @@ std::string to_json(const SimplifyReport& r, const Arguments& arguments) {
                  {"options", options},
                  {"input", to_value(r.input)},
                  {"grid", to_value(r.grid)},
+                 {"dropped", to_value(r.dropped)},
                  {"refined_clusters", r.refined_clusters},
                  {"feedback", to_value(r.feedback)},
                  {"collapses", r.collapses},

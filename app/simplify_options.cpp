@@ -84,6 +84,12 @@ SimplifyOptions make_simplify_options(const Arguments& arguments) {
     if (arguments.is_given("fit")) {
         options.fit_rounds = static_cast<unsigned>(arguments.get<std::uint64_t>("fit"));
     }
+    if (arguments.command() == Command::Simplify) {
+        options.topology_report = arguments.flag("topology_report");
+        if (arguments.is_given("drop_parts")) {
+            options.drop_parts = arguments.get<Target>("drop_parts");
+        }
+    }
     options.strict = arguments.flag("strict");
     options.memory_bytes = arguments.get<std::uint64_t>("memory");
     options.n_threads = static_cast<unsigned>(arguments.get<std::uint64_t>("threads"));

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "cluster/cell_blocks.h"
@@ -26,6 +27,16 @@ class CodeLookup {
         return static_cast<std::size_t>(it - blocks.blocks.begin()) - 1;
     }
 
+    /// Id, or nothing if there is no cell with that code.
+    std::optional<std::uint64_t> find(std::uint64_t code) {
+        if (blocks_.n_blocks() == 0 || code < blocks_.blocks.front().box.code) return {};
+        if (!holds(blocks_.blocks[block_of(blocks_, code)].box, code)) return {};
+        const Entry& entry = entry_of(code);
+        const auto at = std::lower_bound(entry.codes.begin(), entry.codes.end(), code);
+        if (at == entry.codes.end() || *at != code) return {};
+        return blocks_.blocks[entry.block].first_cell +
+               static_cast<std::uint64_t>(at - entry.codes.begin());
+    }
     /// Precondition: there is a cell with that code.
     std::uint32_t id_of(std::uint64_t code) {
         const Entry& entry = entry_of(code);
@@ -42,9 +53,12 @@ class CodeLookup {
         std::uint64_t last_use = 0;  // 0: empty
         std::vector<std::uint64_t> codes;
     };
+    static bool holds(const OctreeBox& box, std::uint64_t code) {
+        return code >= box.code && (code - box.code) >> box.shift == 0;
+    }
     const Entry& entry_of(std::uint64_t code) {
         for (Entry& entry : entries_) {
-            if (entry.last_use != 0 && entry.codes.front() <= code && code <= entry.codes.back()) {
+            if (entry.last_use != 0 && holds(blocks_.blocks[entry.block].box, code)) {
                 entry.last_use = ++clock_;
                 return entry;
             }

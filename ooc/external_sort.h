@@ -85,8 +85,8 @@ class ExternalSorter {
             for (Spool<T>& run : level) runs.push_back(std::move(run));
             if (runs.size() > kFanIn) runs = merged(std::move(runs));
         }
-        return runs.size() == 1 ? std::move(runs.front())
-                                : merge_runs(*context_, what_, std::move(runs), less_);
+        if (runs.size() == 1) return std::move(runs.front());
+        return merge_runs(*context_, what_, std::move(runs), less_);
     }
 
   private:

@@ -38,7 +38,8 @@ struct ClusterMesh {
     /// Cluster ids, three different ones. Each face is once in the list of a block that has at
     /// least one of its corners; duplicates and opposite pairs are still there.
     ooc::Spool<CellTriple> faces;
-    std::vector<Block> blocks;  ///< and one more at the end, with the totals
+    ooc::Spool<std::uint32_t> cluster_of_cell;  ///< cluster ids by cell id
+    std::vector<Block> blocks;                  ///< and one more at the end, with the totals
     /// No cell has a border: equally wound copies of a face belong to different sheets, then.
     bool is_closed = false;
 

@@ -122,9 +122,9 @@ void make_clusters(ooc::Context& context, const Vec3& origin, BlockClusters& blo
     });
 }
 
-/// First sweep. `cluster_of_cell` receives cluster ids by cell id.
+/// First sweep.
 void add_vertices(ooc::Context& context, const CellBlocks& blocks, const GroupCells& group_cells,
-                  ooc::Spool<std::uint32_t>& cluster_of_cell, ClusterMesh& mesh) {
+                  ClusterMesh& mesh) {
     const LargestBlock largest(blocks);
     const BlocksInFlight in_flight(context, "clusters of a block",
                                    BlockClusters::bytes_for(largest, !blocks.attributes.empty()));
@@ -140,7 +140,7 @@ void add_vertices(ooc::Context& context, const CellBlocks& blocks, const GroupCe
         [&](std::uint64_t b, BlockClusters& block) {
             const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
             for (std::uint32_t& c : block.cluster_of_cell) c += first;
-            cluster_of_cell.append(block.cluster_of_cell);
+            mesh.cluster_of_cell.append(block.cluster_of_cell);
             mesh.blocks[b] = {blocks.blocks[b].box, first, 0};
             mesh.vertices.append(block.vertices);
             mesh.n_cells.append(block.n_cells);
@@ -187,13 +187,14 @@ void map_faces(const CellBlocks& blocks, std::size_t b,
 }
 
 /// Second sweep.
-void add_faces(ooc::Context& context, const CellBlocks& blocks,
-               const ooc::Spool<std::uint32_t>& cluster_of_cell, ClusterMesh& mesh) {
+void add_faces(ooc::Context& context, const CellBlocks& blocks, ClusterMesh& mesh) {
     const BlocksInFlight in_flight(context, "faces of a block",
                                    BlockFaces::bytes_for(LargestBlock(blocks)));
     in_flight.sweep<BlockFaces>(
         blocks.n_blocks(),
-        [&](std::uint64_t b, BlockFaces& block) { map_faces(blocks, b, cluster_of_cell, block); },
+        [&](std::uint64_t b, BlockFaces& block) {
+            map_faces(blocks, b, mesh.cluster_of_cell, block);
+        },
         [&](std::uint64_t b, const BlockFaces& block) {
             mesh.blocks[b].first_face = mesh.faces.size();
             mesh.faces.append(block.faces);
@@ -214,9 +215,9 @@ ClusterMesh build_cluster_mesh(ooc::Context& context, const CellBlocks& blocks,
     if (!blocks.attributes.empty()) mesh.attributes = {context, "cluster attributes"};
     mesh.faces = {context, "cluster faces"};
     mesh.blocks.resize(blocks.n_blocks() + 1);
-    ooc::Spool<std::uint32_t> cluster_of_cell(context, "clusters of cells");
-    add_vertices(context, blocks, group_cells, cluster_of_cell, mesh);
-    add_faces(context, blocks, cluster_of_cell, mesh);
+    mesh.cluster_of_cell = {context, "clusters of cells"};
+    add_vertices(context, blocks, group_cells, mesh);
+    add_faces(context, blocks, mesh);
     mesh.blocks.back() = {{}, mesh.vertices.size(), mesh.faces.size()};
     return mesh;
 }

@@ -97,6 +97,7 @@ class Finisher::Level {
             },
             [&](std::uint64_t, const Prepared& block) {
                 report.lost_cells += block.counts.lost_cells;
+                append_lost(context, block.counts.lost, report.lost);
                 n_bubble_faces_ += block.counts.bubble_faces;
                 n_open_.push_back(block.n_open);
                 n_vertices_ += block.mesh.vertices.size();

@@ -120,6 +120,11 @@ void check_options(const SimplifyOptions& options) {
     if (!(options.border_weight >= 0 && std::isfinite(options.border_weight))) {
         throw InvalidArgument("the border weight must not be negative");
     }
+    if (options.drop_parts &&
+        !(is_error(options.drop_parts->kind) && options.drop_parts->value > 0 &&
+          std::isfinite(options.drop_parts->value))) {
+        throw InvalidArgument("the size of parts to drop must be a positive length");
+    }
     if (options.bounds && options.bounds->is_empty()) {
         throw InvalidArgument("the bounds are empty: each minimum must be at most its maximum");
     }

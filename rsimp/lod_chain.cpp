@@ -56,8 +56,8 @@ FitReport LodChain::fit(unsigned rounds, double cell_size) {
 
 void LodChain::change_topology(const CollapseTarget& target, Result& result) {
     WholeMesh whole(context_, mesh_);
-    report_.lost_cells += whole.drop_components(target);
-    if (!whole.is_met(target) && whole.merge_regardless(target, start_.is_closed, report_.merges)) {
+    whole.drop_components(target, report_);
+    if (!whole.is_met(target) && whole.merge_regardless(target, start_.is_closed, report_)) {
         result.is_nested = false;
     }
     mesh_ = whole.store();

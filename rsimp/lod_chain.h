@@ -32,6 +32,11 @@ class LodChain {
     [[nodiscard]] const MeshStore& mesh() const { return mesh_; }
     /// Grid cells so far for which no vertex stands any more.
     [[nodiscard]] std::uint64_t lost_cells() const { return report_.lost_cells; }
+    /// Places so far of which nothing is left, parts smaller than a cell included.
+    [[nodiscard]] LostPlaces lost_places() const {
+        return find_places(context_, report_.lost,
+                           {start_.to_model(mesh_.origin), start_.grid.cell_size(start_.lattice)});
+    }
     /// Which vertices went where on the way from the mesh before to this one, if asked for; in
     /// order: a pair's second may be the first of a later one.
     [[nodiscard]] const std::vector<std::pair<VertexId, VertexId>>& merges() const {

@@ -11,6 +11,7 @@
 #include "ooc/vec3.h"
 #include "rsimp/cluster_summary.h"
 #include "rsimp/lod_parents.h"
+#include "streaming/topology_counter.h"
 #include "streaming/vertex_cache_order.h"
 
 namespace hewer::rsimp {
@@ -53,7 +54,7 @@ struct LodOutput::VertexPiece {
 /// A window as it goes out.
 struct LodOutput::FacePiece {
     FaceWindow window;  // faces in drawing order
-    WindowTopology topology;
+    streaming::WindowTopology topology;
     std::vector<Vec3> positions;  // of its vertices, in model units, for sinks that take points
 };
 
@@ -195,7 +196,7 @@ LodOutput::FacePiece LodOutput::make_faces(const MeshStore& mesh, const IdIndex&
     const std::uint64_t first = window * window_faces_;
     piece.window =
         load_window(mesh, index, first, std::min(first + window_faces_, mesh.faces.size()));
-    piece.topology = count_window(piece.window);
+    piece.topology = streaming::count_window(piece.window);
     streaming::order_for_vertex_cache(piece.window.faces, piece.window.vertices.size());
     if (with_points) {
         piece.positions = read_positions(mesh, piece.window.vertices);
@@ -206,7 +207,7 @@ LodOutput::FacePiece LodOutput::make_faces(const MeshStore& mesh, const IdIndex&
 
 void LodOutput::send_faces(const MeshStore& mesh, const IdIndex& index, MeshSink& sink,
                            LodReport& report) {
-    TopologyCounter topology(context_);
+    streaming::TopologyCounter topology(context_, report.vertices, context_.sort_bytes());
     const bool takes_points = sink.takes_points();
     context_.workers().in_order(
         n_pieces(mesh.faces.size(), window_faces_), context_.n_threads() + 1,
@@ -216,7 +217,7 @@ void LodOutput::send_faces(const MeshStore& mesh, const IdIndex& index, MeshSink
             send_window(piece, sink);
             context_.check_stop();
         });
-    report.topology = topology.report(report.vertices, report.triangles);
+    report.topology = topology.finish();
 }
 
 void LodOutput::send_window(const FacePiece& piece, MeshSink& sink) {

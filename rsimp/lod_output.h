@@ -16,7 +16,6 @@
 #include "rsimp/face_window.h"
 #include "rsimp/id_index.h"
 #include "rsimp/mesh_store.h"
-#include "rsimp/mesh_topology.h"
 
 namespace hewer::rsimp {
 

@@ -270,6 +270,10 @@ std::uint64_t drop_bubbles(const BlockMesh& mesh, Fans& fans) {
 
 ManifoldCounts make_manifold(BlockMesh& mesh, bool is_closed, std::uint64_t* next_fan) {
     ManifoldCounts counts;
+    std::vector<bool> had_face(mesh.vertices.size());
+    for (const LocalFace& t : mesh.faces) {
+        for (const std::uint32_t v : t) had_face[v] = true;
+    }
     counts.cancelled_faces = settle_duplicates(mesh.faces, is_closed);
     std::vector<std::uint32_t> extra;
     {
@@ -294,7 +298,12 @@ ManifoldCounts make_manifold(BlockMesh& mesh, bool is_closed, std::uint64_t* nex
         if ((vertex.flags & VertexFlags::kFrozen) != 0) {
             is_used[v] = true;  // has faces elsewhere
         } else {
-            if (v < n_before && !has_vertex[v]) counts.lost_cells += vertex.n_cells;
+            if (v < n_before && !has_vertex[v]) {
+                counts.lost_cells += vertex.n_cells;
+                if (had_face[v] || vertex.n_cells != 1) {
+                    counts.lost.push_back({vertex.vertex.box, vertex.n_cells, 0});
+                }
+            }
             vertex.flags &= ~VertexFlags::kRaw;
         }
     }

@@ -4,8 +4,10 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "rsimp/block_mesh.h"
+#include "rsimp/lost_parts.h"
 
 namespace hewer::rsimp {
 
@@ -14,6 +16,9 @@ struct ManifoldCounts {
     std::uint64_t bubble_faces = 0;     ///< of bubbles that folding had pinched off
     std::uint64_t cut_vertices = 0;     ///< clusters that became more than one vertex
     std::uint64_t lost_cells = 0;       ///< of clusters of which no face is left
+    /// These clusters, bar single cells that had no face to begin with: a surface grazed them, and
+    /// what stands for it is next to them (find_unseen_cells() has the others).
+    std::vector<LostPart> lost;
 };
 
 /// Makes vertices of the raw clusters whose faces are all here (kRaw without kFrozen); the others

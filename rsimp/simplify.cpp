@@ -20,6 +20,7 @@
 #include "rsimp/memory_model.h"
 #include "rsimp/stage_log.h"
 #include "rsimp/start_mesh.h"
+#include "streaming/topology_scan.h"
 
 namespace hewer {
 
@@ -28,9 +29,12 @@ namespace {
 using namespace rsimp;
 
 // Expected shares of the time, for progress.
-std::vector<ooc::StageWeight> stage_weights() {
-    return {{"bounds", 1},   {"vertices", 2}, {"sample", 2},  {"cluster", 8}, {"refine", 8},
-            {"feedback", 8}, {"mesh", 2},     {"finish", 12}, {"fit", 12},    {"write", 2}};
+std::vector<ooc::StageWeight> stage_weights(const SimplifyOptions& options) {
+    std::vector<ooc::StageWeight> weights{
+        {"bounds", 1},   {"vertices", 2}, {"sample", 2},  {"cluster", 8}, {"refine", 8},
+        {"feedback", 8}, {"mesh", 2},     {"finish", 12}, {"fit", 12},    {"write", 2}};
+    if (options.topology_report) weights.push_back({"topology", 30});
+    return weights;
 }
 
 CollapseTarget collapse_target(const Target& target, const SimplifyReport& report) {
@@ -79,7 +83,7 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
                           .page_bytes = options.tuning.page_bytes,
                           .sort_bytes = options.tuning.sort_bytes,
                           .spills_at_once = options.tuning.spills_at_once},
-                         hooks, stage_weights());
+                         hooks, stage_weights(options));
     const ooc::Reservation slack =
         context.budget().reserve("slack", slack_bytes(context.budget().limit()));
     SimplifyReport report;
@@ -89,7 +93,14 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
     report.options.n_threads = context.n_threads();
     StageLog stages(context, [&] { return source.bytes_read(); });
 
+    std::optional<TopologyReport> input_topology;
+    if (options.topology_report) {
+        stages.begin("topology", source.info().n_faces, "faces");
+        input_topology = streaming::count_topology(context, source);
+        ++report.input.triangle_passes;
+    }
     StartMesh start_mesh = make_start_mesh(context, source, options, stages, report);
+    report.input.topology = input_topology;
     report.refined_clusters = start_mesh.n_clusters;
     const SourceInfo& info = source.info();
     LodOutput output(context,
@@ -130,6 +141,7 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
         output.write(chain.mesh(), *sink, lod);
         sink->finish();
         lod.lost_cells = chain.lost_cells();
+        lod.lost = chain.lost_places();
         lod.bytes = sink->bytes_written();
         stages.add_bytes_written(lod.bytes);
         report.bytes_written += lod.bytes;

@@ -12,6 +12,7 @@
 #include "rsimp/block_refiner.h"
 #include "rsimp/cluster_mesh_builder.h"
 #include "rsimp/clustering.h"
+#include "rsimp/drop_parts.h"
 #include "rsimp/feedback.h"
 #include "rsimp/grid_choice.h"
 
@@ -51,9 +52,11 @@ struct Attempt {
     double n_triangles = 0;
 };
 
-Attempt begin(ooc::Context& context, const CellBlocks& cells, const ClusterMesh& clusters) {
+Attempt begin(ooc::Context& context, const CellBlocks& cells, ClusterMesh clusters) {
     Attempt attempt;
     StartMesh& start = attempt.start;
+    find_unseen_cells(context, cells, clusters, start.finish.lost);
+    clusters.cluster_of_cell.release();
     start.lattice = cells.lattice;
     start.grid = cells.grid;
     start.is_closed = clusters.is_closed;
@@ -155,8 +158,9 @@ StartMesh make_start_mesh(ooc::Context& context, MeshSource& source, const Simpl
     const bool is_given = options.cell_size || options.method == Method::Full;
     for (double finer = 1;; finer *= kFinerGrid) {
         bool is_finest = false;
-        CellBlocks cells =
-            cluster_input(context, source, options, finer, stages, report, is_finest);
+        CellBlocks cells = drop_parts(
+            context, cluster_input(context, source, options, finer, stages, report, is_finest),
+            options, report);
         is_finest |= is_given;
         const double error = options.targets.empty()
                                  ? 0

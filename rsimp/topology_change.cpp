@@ -72,7 +72,7 @@ MeshStore WholeMesh::store() const {
     return store;
 }
 
-std::uint64_t WholeMesh::drop_components(const CollapseTarget& target) {
+void WholeMesh::drop_components(const CollapseTarget& target, FinishReport& report) {
     std::vector<std::uint32_t> label(mesh_.vertices.size());
     std::iota(label.begin(), label.end(), 0U);
     const auto find = [&](std::uint32_t v) {
@@ -91,6 +91,7 @@ std::uint64_t WholeMesh::drop_components(const CollapseTarget& target) {
         std::uint32_t label = 0;
         std::uint64_t n_triangles = 0;
         std::uint64_t n_vertices = 0;
+        std::uint32_t n_cells = 0;
         std::array<float, 6> box{};
     };
     std::vector<Component> components;
@@ -100,10 +101,11 @@ std::uint64_t WholeMesh::drop_components(const CollapseTarget& target) {
         std::uint32_t& at = index[find(v)];
         if (at == kNoIndex) {
             at = static_cast<std::uint32_t>(components.size());
-            components.push_back({0, find(v), 0, 0, box});
+            components.push_back({0, find(v), 0, 0, 0, box});
         }
         Component& c = components[at];
         ++c.n_vertices;
+        c.n_cells += mesh_.vertices[v].n_cells;
         for (std::size_t k = 0; k < 3; ++k) {
             c.box[k] = std::min(c.box[k], box[k]);
             c.box[3 + k] = std::max(c.box[3 + k], box[3 + k]);
@@ -122,26 +124,25 @@ std::uint64_t WholeMesh::drop_components(const CollapseTarget& target) {
     std::uint64_t n_triangles = mesh_.faces.size();
     std::uint64_t n_vertices = mesh_.vertices.size();
     std::vector<bool> is_dropped(label.size());
+    std::vector<LostPart> lost;
     for (std::size_t i = 0; i + 1 < components.size() && (n_triangles > target.most_triangles ||
                                                           n_vertices > target.most_vertices);
          ++i) {
         is_dropped[components[i].label] = true;
+        lost.push_back({components[i].box, components[i].n_cells, 0});
+        report.lost_cells += components[i].n_cells;
         n_triangles -= components[i].n_triangles;
         n_vertices -= components[i].n_vertices;
     }
-    std::uint64_t lost_cells = 0;
+    append_lost(context_, lost, report.lost);
     std::vector<bool> is_kept(label.size());
-    for (std::uint32_t v = 0; v < label.size(); ++v) {
-        is_kept[v] = !is_dropped[find(v)];
-        if (!is_kept[v]) lost_cells += mesh_.vertices[v].n_cells;
-    }
+    for (std::uint32_t v = 0; v < label.size(); ++v) is_kept[v] = !is_dropped[find(v)];
     std::erase_if(mesh_.faces, [&](const LocalFace& t) { return !is_kept[t[0]]; });
     keep_vertices(mesh_, is_kept);
-    return lost_cells;
 }
 
 bool WholeMesh::merge_regardless(const CollapseTarget& target, bool is_closed,
-                                 std::vector<std::pair<VertexId, VertexId>>& merges) {
+                                 FinishReport& report) {
     // An inner edge takes two triangles with it.
     const std::uint64_t n_missing =
         std::max((excess(mesh_.faces.size(), target.most_triangles) + 1) / 2,
@@ -175,10 +176,12 @@ bool WholeMesh::merge_regardless(const CollapseTarget& target, bool is_closed,
         }
     }
     keep_vertices(merged, is_kept);
-    make_manifold(merged, is_closed, &next_fan_);
+    const ManifoldCounts counts = make_manifold(merged, is_closed, &next_fan_);
     if (merged.faces.empty()) return false;
     mesh_ = std::move(merged);
-    merges.insert(merges.end(), gone.begin(), gone.end());
+    report.merges.insert(report.merges.end(), gone.begin(), gone.end());
+    report.lost_cells += counts.lost_cells;
+    append_lost(context_, counts.lost, report.lost);
     return true;
 }
 

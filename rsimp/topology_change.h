@@ -4,8 +4,6 @@
 #pragma once
 
 #include <cstdint>
-#include <utility>
-#include <vector>
 
 #include "ooc/context.h"
 #include "rsimp/block_mesh.h"
@@ -19,15 +17,15 @@ class WholeMesh {
     WholeMesh(ooc::Context& context, const MeshStore& store);
 
     /// Removes whole components, smallest box first, until the target is met. At least one
-    /// component stays. Returns the number of grid cells that they stood for.
-    std::uint64_t drop_components(const CollapseTarget& target);
+    /// component stays. What went is added to `report`.
+    void drop_components(const CollapseTarget& target, FinishReport& report);
 
     /// Merges the ends of the cheapest edges, each vertex at most once, half as many pairs as are
     /// missing for the target, without asking for the type of the surface, and makes what is left
     /// manifold again: handles close and thin parts vanish, but nothing is opened. False, and the
-    /// mesh is as before, if nothing would be left. Vertices that went are added to `merges`.
-    bool merge_regardless(const CollapseTarget& target, bool is_closed,
-                          std::vector<std::pair<VertexId, VertexId>>& merges);
+    /// mesh is as before, if nothing would be left. Vertices that went are added to the merges of
+    /// `report`, those of which no face is left to what is lost.
+    bool merge_regardless(const CollapseTarget& target, bool is_closed, FinishReport& report);
 
     [[nodiscard]] bool is_met(const CollapseTarget& target) const {
         return mesh_.faces.size() <= target.most_triangles &&

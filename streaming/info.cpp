@@ -17,6 +17,7 @@
 #include "ooc/context.h"
 #include "ooc/parallel.h"
 #include "ooc/units.h"
+#include "streaming/topology_scan.h"
 
 namespace hewer {
 
@@ -193,11 +194,16 @@ class Inspector {
 
 }  // namespace
 
-InputReport info(const std::filesystem::path& input, std::uint64_t memory_bytes, unsigned n_threads,
+InputReport info(const std::filesystem::path& input, const InfoOptions& options,
                  const Hooks& hooks) {
     // A face costs about as much to read as two vertices, and there are twice as many.
-    ooc::Context context({.memory_bytes = memory_bytes, .n_threads = n_threads}, hooks,
-                         {{"vertices", 1}, {"triangles", 4}});
+    std::vector<ooc::StageWeight> stages{{"vertices", 1}, {"triangles", 4}};
+    if (options.with_topology) stages.push_back({"topology", 20});
+    ooc::Context context({.memory_bytes = options.memory_bytes,
+                          .n_threads = options.n_threads,
+                          .temp_dir = options.temp_dir,
+                          .max_temp_bytes = options.max_temp_bytes},
+                         hooks, std::move(stages));
     const std::unique_ptr<MeshSource> source = open_mesh(input);
     const SourceInfo& about = source->info();
 
@@ -211,14 +217,22 @@ InputReport info(const std::filesystem::path& input, std::uint64_t memory_bytes,
     report.has_colors = about.has_colors;
     report.ignored = about.ignored;
 
-    Inspector inspector(*source, context);
-    if (about.is_indexed) {
-        inspector.read_vertices();
-        report.vertex_passes = 1;
+    {
+        Inspector inspector(*source, context);
+        if (about.is_indexed) {
+            inspector.read_vertices();
+            report.vertex_passes = 1;
+        }
+        inspector.read_triangles();
+        report.triangle_passes = 1;
+        inspector.fill(report);
     }
-    inspector.read_triangles();
-    report.triangle_passes = 1;
-    inspector.fill(report);
+    if (options.with_topology) {
+        context.begin_stage("topology", about.n_faces, "faces");
+        report.topology = streaming::count_topology(context, *source);
+        context.end_stage();
+        ++report.triangle_passes;
+    }
     return report;
 }
 

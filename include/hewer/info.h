@@ -2,12 +2,25 @@
 /// What is in a file.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 #include "hewer/progress.h"
 #include "hewer/report.h"
 
 namespace hewer {
+
+struct InfoOptions {
+    /// Count borders, components and what is not manifold as well: one pass more over the
+    /// triangles, and 4 bytes a vertex of memory (8 beyond 2^32 vertices), the rest on disk where
+    /// it has to be. The vertices of a triangle soup are its exactly equal corners.
+    bool with_topology = false;
+    /// As in SimplifyOptions.
+    std::uint64_t memory_bytes = 0;
+    unsigned n_threads = 0;
+    std::filesystem::path temp_dir{};
+    std::uint64_t max_temp_bytes = 0;
+};
 
 /// Counts, bounds, attributes and defects of a mesh file: one pass over vertices and triangles.
 /// Memory: bounded by the batches in flight; 12 bytes a vertex more, 24 if the file has double
@@ -16,8 +29,8 @@ namespace hewer {
 /// and a warning says so. A triangle soup needs none of it.
 /// Deterministic for any thread count.
 /// Throws: FormatError, IoError, Cancelled, OutOfMemoryBudget (a limit below what the program
-/// itself needs).
-InputReport info(const std::filesystem::path& input, std::uint64_t memory_bytes = 0,
-                 unsigned n_threads = 0, const Hooks& hooks = {});
+/// itself, or the topology, needs), OutOfDiskBudget.
+InputReport info(const std::filesystem::path& input, const InfoOptions& options = {},
+                 const Hooks& hooks = {});
 
 }  // namespace hewer

@@ -63,6 +63,16 @@ struct SimplifyOptions {
     /// bound).
     std::optional<unsigned> fit_rounds;
 
+    /// Fill in the topology of the input, too: one pass more over its triangles, with 4 bytes a
+    /// vertex of memory (8 beyond 2^32 vertices).
+    bool topology_report = false;
+
+    /// Connected parts of the model whose box has a diagonal below this are removed before
+    /// triangles are spent on them: a length, so of kind Error (model units) or RelativeError
+    /// (times the diagonal of the bounding box). To within a cell of the grid; parts nearer to each
+    /// other than that are one.
+    std::optional<Target> drop_parts;
+
     /// Defects in the input end the run instead of being counted.
     bool strict = false;
 

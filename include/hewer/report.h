@@ -26,6 +26,17 @@ struct StageReport {
     std::uint64_t peak_resident_bytes = 0;  ///< of the process so far, as the system counts it
 };
 
+/// A triangle mesh by its indices, as a reader of the file sees it; faces with a repeated corner
+/// and vertices without a face do not count.
+struct TopologyReport {
+    std::uint64_t components = 0;
+    std::uint64_t border_edges = 0;          ///< one face
+    std::uint64_t border_loops = 0;          ///< of these; loops that share a vertex are one
+    std::uint64_t nonmanifold_edges = 0;     ///< more than two faces
+    std::uint64_t nonmanifold_vertices = 0;  ///< at such an edge, or their faces form several fans
+    std::int64_t euler = 0;                  ///< vertices - edges + faces
+};
+
 struct InputReport {
     std::string path;
     std::string format;
@@ -41,6 +52,7 @@ struct InputReport {
     double area = 0;  ///< of all triangles, square model units
     int vertex_passes = 0;
     int triangle_passes = 0;
+    std::optional<TopologyReport> topology;  ///< where it was asked for; of a soup by positions
 };
 
 struct GridReport {
@@ -50,14 +62,6 @@ struct GridReport {
     std::uint64_t border_cells = 0;         ///< with a border that does not cancel
     std::uint64_t surviving_triangles = 0;  ///< corners in three different cells
     bool is_consistently_wound = true;      ///< false: border quadrics were left out
-};
-
-/// Edge counts of a triangle mesh by indices, as a reader of the file sees them.
-struct TopologyReport {
-    std::uint64_t border_edges = 0;       ///< one face
-    std::uint64_t nonmanifold_edges = 0;  ///< more than two faces
-    std::uint64_t components = 0;
-    std::int64_t euler_characteristic = 0;
 };
 
 /// Places of the input that a first LOD was far from, before the budget was shared out again.
@@ -76,6 +80,22 @@ struct FitReport {
     std::uint64_t held = 0;  ///< vertices that were not let in the last round, borders included
 };
 
+/// A place where a part of the surface went missing.
+struct LostPlace {
+    Vec3 center{};
+    double size = 0;          ///< diagonal of its box, model units
+    std::uint64_t cells = 0;  ///< of the grid
+};
+
+/// Parts of which no triangle is left; those that touch are one place.
+struct LostPlaces {
+    static constexpr std::size_t kMostListed = 100;
+
+    std::uint64_t places = 0;
+    std::uint64_t cells = 0;
+    std::vector<LostPlace> list;  ///< the largest, by size, then place
+};
+
 struct LodReport {
     std::string path;
     Target target;
@@ -89,6 +109,7 @@ struct LodReport {
     /// where nothing was lost, from the original to the LOD.
     double error_bound = 0;
     std::uint64_t lost_cells = 0;  ///< grid cells whose whole surface collapsed away (tiny parts)
+    LostPlaces lost;               ///< where; with parts that fell between the cells
     FitReport fit;
     TopologyReport topology;
     bool is_nested = true;  ///< every vertex of the next finer LOD has one parent here
@@ -100,6 +121,7 @@ struct SimplifyReport {
     SimplifyOptions options;  ///< as asked; 0 and empty ones filled in
     InputReport input;
     GridReport grid;
+    LostPlaces dropped;  ///< parts that were too small for SimplifyOptions::drop_parts
     std::uint64_t refined_clusters = 0;  ///< leaves of the cluster tree; 0 without refinement
     FeedbackReport feedback;
     std::uint64_t collapses = 0;  ///< of the finishing edge collapse, all LODs

@@ -2,6 +2,7 @@
 /// What machines read: reports, JSON on standard output, progress lines.
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
@@ -86,6 +87,7 @@ TEST(CliReport, of_simplify_has_all_figures) {
                                      "options",
                                      "input",
                                      "grid",
+                                     "dropped",
                                      "refined_clusters",
                                      "feedback",
                                      "collapses",
@@ -109,7 +111,7 @@ TEST(CliReport, of_simplify_has_all_figures) {
     const json& lod = report["lods"][0];
     EXPECT_EQ(keys_of(lod),
               (Keys{"path", "target", "target_triangles", "triangles", "vertices", "bounds",
-                    "error_bound", "lost_cells", "fit", "topology", "is_nested", "bytes"}));
+                    "error_bound", "lost_cells", "lost", "fit", "topology", "is_nested", "bytes"}));
     EXPECT_EQ(lod["target"], (json{{"kind", "triangles"}, {"value", 500}}));
     EXPECT_LE(lod["triangles"], 500);
     EXPECT_GE(lod["triangles"], 495);
@@ -244,6 +246,95 @@ TEST(CliSimplify, uniform_with_a_cell_size_needs_no_target) {
                                          "--method", "uniform", "--cell", "0.1"});
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_TRUE(read_file(dir.file("out.ply")).starts_with("ply\n"));
+}
+
+const Keys topology_keys{"components",        "border_edges",         "border_loops",
+                         "nonmanifold_edges", "nonmanifold_vertices", "euler"};
+
+TEST(CliInfo, counts_the_topology_when_asked) {
+    const ScratchDir dir;
+    write_hills(dir.file("in.ply"), 50);
+    const json plain = json::parse(run_program({"info", dir.file("in.ply"), "--json"}).out);
+    EXPECT_FALSE(plain.contains("topology"));
+    const Outcome outcome = run_program(
+        {"info", dir.file("in.ply"), "--json", "--topology", "--temp-dir", dir.file("")});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const json info = json::parse(outcome.out);
+    EXPECT_EQ(keys_of(info["topology"]), topology_keys);
+    EXPECT_EQ(info["topology"]["components"], 1);
+    EXPECT_EQ(info["topology"]["border_edges"], 200);
+    EXPECT_EQ(info["topology"]["border_loops"], 1);
+    EXPECT_EQ(info["topology"]["euler"], 1);
+    const Outcome words = run_program({"info", dir.file("in.ply"), "--topology"});
+    EXPECT_NE(words.out.find("200 border edges in 1 loop"), std::string::npos) << words.out;
+}
+
+TEST(CliReport, has_the_topology_of_the_input_when_asked) {
+    const ScratchDir dir;
+    write_hills(dir.file("in.ply"), 50);
+    const auto report_with = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> args{"simplify",          dir.file("in.ply"),      "-o",
+                                      dir.file("out.ply"), "--triangles",           "500",
+                                      "--report",          dir.file("report.json"), "--force"};
+        args.insert(args.end(), more.begin(), more.end());
+        const Outcome outcome = run_program(args);
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        return json::parse(read_file(dir.file("report.json")));
+    };
+    const json plain = report_with({});
+    EXPECT_FALSE(plain["input"].contains("topology"));
+    EXPECT_EQ(keys_of(plain["lods"][0]["topology"]), topology_keys);
+    EXPECT_EQ(keys_of(plain["lods"][0]["lost"]), (Keys{"places", "cells", "list"}));
+    EXPECT_EQ(plain["lods"][0]["topology"]["border_loops"], 1);
+    const json report = report_with({"--topology-report"});
+    EXPECT_EQ(report["input"]["topology"]["border_edges"], 200);
+    EXPECT_EQ(report["input"]["triangle_passes"], plain["input"]["triangle_passes"].get<int>() + 1);
+    EXPECT_EQ(report["result_hash"], plain["result_hash"]);
+}
+
+/// A sheet of hills and a triangle far above it.
+void write_hills_and_speck(const ScratchDir& dir) {
+    write_hills(dir.file("hills.ply"), 40);
+    const Outcome outcome = run_program(
+        {"simplify", dir.file("hills.ply"), "-o", dir.file("hills.stl"), "--triangles", "3k"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    std::string stl = read_file(dir.file("hills.stl"));
+    constexpr std::size_t kHeader = 80;
+    constexpr std::size_t kTriangle = 50;
+    std::string speck = stl.substr(kHeader + 4, kTriangle);
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+        // z is raised to 2 (0x40000000).
+        speck.replace(12 + 12 * corner + 8, 4, std::string{'\0', '\0', '\0', '\x40'});
+    }
+    const std::size_t n = (stl.size() - kHeader - 4) / kTriangle + 1;
+    stl += speck;
+    for (std::size_t i = 0; i < 4; ++i) {
+        stl[kHeader + i] = static_cast<char>(n >> (8 * i) & 0xff);
+    }
+    write_file(dir.file("in.stl"), stl);
+}
+
+TEST(CliReport, lists_dropped_parts) {
+    const ScratchDir dir;
+    write_hills_and_speck(dir);
+    const Outcome outcome =
+        run_program({"simplify", dir.file("in.stl"), "-o", dir.file("out.ply"), "--triangles",
+                     "500", "--drop-parts", "20%", "--report", dir.file("report.json")});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("dropped    1 part"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("; the report lists them"), std::string::npos) << outcome.out;
+    const json report = json::parse(read_file(dir.file("report.json")));
+    EXPECT_EQ(report["options"]["drop_parts"], (json{{"kind", "relative_error"}, {"value", 0.2}}));
+    EXPECT_EQ(report["dropped"]["places"], 1);
+    EXPECT_NEAR(report["dropped"]["list"][0]["center"][2].get<double>(), 2, 0.01);
+    EXPECT_EQ(report["lods"][0]["topology"]["components"], 1);
+    EXPECT_LT(report["lods"][0]["bounds"]["max"][2], 1.9);
+
+    const Outcome all = run_program({"simplify", dir.file("in.stl"), "-o", dir.file("none.ply"),
+                                     "--triangles", "500", "--drop-parts", "1000"});
+    EXPECT_EQ(all.code, 2);
+    EXPECT_NE(all.err.find("--drop-parts"), std::string::npos) << all.err;
+    EXPECT_FALSE(std::filesystem::exists(dir.file("none.ply")));
 }
 
 }  // namespace

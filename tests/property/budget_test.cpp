@@ -173,7 +173,7 @@ TEST(Surface, OutputIsManifoldEvenWhereTheInputIsNot) {
             << name << ": " << counts.nonmanifold_edges << ' ' << counts.degenerate << ' '
             << counts.duplicates << ' ' << counts.unreferenced << ' ' << counts.split_fans;
         EXPECT_EQ(counts.border_edges, run.report.lods[0].topology.border_edges) << name;
-        EXPECT_EQ(counts.euler, run.report.lods[0].topology.euler_characteristic) << name;
+        EXPECT_EQ(counts.euler, run.report.lods[0].topology.euler) << name;
     }
 }
 

@@ -54,17 +54,39 @@ Counts count(std::span<const Triangle> triangles, std::uint64_t n_vertices) {
             around.at(a).emplace_back(b, t[(i + 2) % 3]);
         }
     }
+    std::set<std::uint64_t> nonmanifold;
+    std::map<std::uint64_t, std::vector<std::uint64_t>> border;
     for (const auto& [edge, faces] : edges) {
         const int n = faces.first + faces.second;
-        if (n == 1) ++result.border_edges;
-        if (n > 2) ++result.nonmanifold_edges;
+        if (n == 1) {
+            ++result.border_edges;
+            border[edge.first].push_back(edge.second);
+            border[edge.second].push_back(edge.first);
+        }
+        if (n > 2) {
+            ++result.nonmanifold_edges;
+            nonmanifold.insert({edge.first, edge.second});
+        }
         if (n == 2 && faces.first != 1) ++result.unlike_edges;
     }
-    for (const auto& faces : around) {
-        if (faces.empty()) {
+    for (std::uint64_t v = 0; v < n_vertices; ++v) {
+        if (around[v].empty()) {
             ++result.unreferenced;
-        } else if (!is_one_fan(faces)) {
+        } else if (!is_one_fan(around[v])) {
             ++result.split_fans;
+            nonmanifold.insert(v);
+        }
+    }
+    result.nonmanifold_vertices = nonmanifold.size();
+    while (!border.empty()) {
+        ++result.border_loops;
+        std::vector<std::uint64_t> reached{border.begin()->first};
+        while (!reached.empty()) {
+            const auto it = border.find(reached.back());
+            reached.pop_back();
+            if (it == border.end()) continue;
+            reached.insert(reached.end(), it->second.begin(), it->second.end());
+            border.erase(it);
         }
     }
     result.edges = edges.size();

@@ -13,14 +13,16 @@ namespace hewer::test {
 
 struct Counts {
     std::uint64_t edges = 0;
-    std::uint64_t border_edges = 0;       ///< one face
-    std::uint64_t nonmanifold_edges = 0;  ///< more than two faces
-    std::uint64_t unlike_edges = 0;       ///< two faces that run along it the same way
-    std::uint64_t degenerate = 0;         ///< repeated corners
-    std::uint64_t duplicates = 0;         ///< faces whose corners, as a set, came before
-    std::uint64_t unreferenced = 0;       ///< vertices without a face
-    std::uint64_t split_fans = 0;         ///< vertices whose faces are not one fan
-    std::int64_t euler = 0;               ///< of what is referenced
+    std::uint64_t border_edges = 0;          ///< one face
+    std::uint64_t nonmanifold_edges = 0;     ///< more than two faces
+    std::uint64_t unlike_edges = 0;          ///< two faces that run along it the same way
+    std::uint64_t degenerate = 0;            ///< repeated corners
+    std::uint64_t duplicates = 0;            ///< faces whose corners, as a set, came before
+    std::uint64_t unreferenced = 0;          ///< vertices without a face
+    std::uint64_t split_fans = 0;            ///< vertices whose faces are not one fan
+    std::uint64_t nonmanifold_vertices = 0;  ///< these, and ends of non-manifold edges
+    std::uint64_t border_loops = 0;          ///< those that share a vertex are one
+    std::int64_t euler = 0;                  ///< of what is referenced
 
     [[nodiscard]] bool is_closed() const { return border_edges == 0 && nonmanifold_edges == 0; }
     /// Every edge has one or two faces, every vertex one fan, and nothing is superfluous.
