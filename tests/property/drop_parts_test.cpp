@@ -16,7 +16,7 @@ namespace hewer::test {
 
 namespace {
 
-SimplifyOptions dropping(double size, std::vector<double> triangles) {
+SimplifyOptions dropping(double size, const std::vector<double>& triangles) {
     SimplifyOptions options;
     for (const double n : triangles) options.targets.push_back({Target::Kind::Triangles, n});
     options.drop_parts = Target{Target::Kind::Error, size};

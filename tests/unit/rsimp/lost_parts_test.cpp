@@ -142,7 +142,8 @@ TEST(LostPlaces, MoreThanAreComparedAtOnceAreAllCountedAndTheLargestListed) {
     std::vector<LostPart> parts;
     for (std::uint64_t i = 0; i < kPartsAtOnce + 5000; ++i) {
         const auto x = static_cast<double>(3 * (i % 300));
-        const auto y = static_cast<double>(3 * (i / 300));
+        const std::uint64_t row = i / 300;
+        const auto y = static_cast<double>(3 * row);
         parts.push_back(cell_box({x, y, 0}, i % 7000 == 77 ? 2 : 1, 2));
     }
     const LostPlaces places = places_of(parts);

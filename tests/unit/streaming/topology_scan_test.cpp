@@ -71,7 +71,7 @@ void expect_topology(const TopologyReport& topology, const Mesh& mesh, const std
 
 std::filesystem::path write_mesh(const test::TempDir& dir, const std::string& name,
                                  const Mesh& mesh) {
-    const std::filesystem::path path = dir.path() / name;
+    std::filesystem::path path = dir.path() / name;
     const auto sink = create_mesh_file(path);
     SinkHeader header;
     header.n_vertices = mesh.positions.size();
