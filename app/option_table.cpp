@@ -83,9 +83,10 @@ OptionSpec{"error", "--error", "E", T::Error, kTargets, "model units, or % of th
 OptionSpec{"lods", "--lods", "LIST", T::Lods, kTargets, "triangles, or ratios", "", 0, 0, "", kTarget, false,
     "Several levels of detail from one read, nested, fine to coarse: 1M,250k,60k or 10%,2%."},
 
-OptionSpec{"method", "--method", "NAME", T::Choice, kTargets, "", "refine", 0, 0, "refine|uniform|full", kMethod, false,
-    "refine: fine grid, refined where the surface needs it, finished by edge collapse. uniform: one "
-    "coarse grid, fastest. full: every original vertex takes part, most memory."},
+OptionSpec{"method", "--method", "NAME", T::Choice, kTargets, "", "auto", 0, 0, "auto|refine|uniform|full", kMethod, false,
+    "refine: fine grid, refined where the surface needs it, finished by edge collapse. full: the same "
+    "from every original vertex, and with feedback; best and slowest. uniform: one coarse grid, "
+    "fastest. auto: full up to 1M vertices, refine above."},
 OptionSpec{"cell", "--cell", "SIZE", T::Number, kTargets, "model units", "=from the target", kSmallest, kNoLimit, "", kMethod, false,
     "Edge of a grid cell. With --method uniform it takes the place of a target."},
 OptionSpec{"priority", "--priority", "NAME", T::Choice, kTargets, "", "quadric", 0, 0, "quadric|normal", kMethod, false,
@@ -95,7 +96,7 @@ OptionSpec{"bounds", "--bounds", "BOX", T::Box, kTargets, "model units", "=read 
     "Box that holds the input, x0,y0,z0,x1,y1,z1; spares one scan of the vertices."},
 OptionSpec{"border_weight", "--border-weight", "W", T::Number, kTargets, "", "30", 0, 1e6, "", kMethod, false,
     "Weight of open borders against the surface; 0 lets borders wander."},
-OptionSpec{"feedback", "--feedback", "N", T::CountOrOff, kTargets, "rounds, or off", "=2 for inputs up to 1M vertices and --method full, else off", 1, 20, "", kMethod, false,
+OptionSpec{"feedback", "--feedback", "N", T::CountOrOff, kTargets, "rounds, or off", "=2 with --method full, else off", 1, 20, "", kMethod, false,
     "Find the places where a first result is far from the input, and give them more triangles."},
 OptionSpec{"fit", "--fit", "N", T::CountOrOff, kTargets, "rounds, or off", "=4; off with --method uniform or --error", 1, 100, "", kMethod, false,
     "Move the vertices of the result, as a whole, towards the original surface."},

@@ -13,6 +13,20 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+const char* name_of(Method method) {
+    switch (method) {
+        case Method::Refine:
+            return "refine";
+        case Method::Uniform:
+            return "uniform";
+        case Method::Full:
+            return "full";
+        case Method::Auto:
+            break;
+    }
+    return "auto";
+}
+
 Json to_value(const Vec3& v) {
     return {v[0], v[1], v[2]};
 }
@@ -226,6 +240,7 @@ std::string to_json(const SimplifyReport& r, const Arguments& arguments) {
     return dump({{"version", r.version},
                  {"command", "simplify"},
                  {"options", options},
+                 {"method", name_of(r.options.method)},
                  {"input", to_value(r.input)},
                  {"grid", to_value(r.grid)},
                  {"dropped", to_value(r.dropped)},

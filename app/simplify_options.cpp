@@ -41,7 +41,8 @@ std::vector<Target> make_targets(const Arguments& arguments, std::string_view ke
 
 Method make_method(const std::string& name) {
     if (name == "uniform") return Method::Uniform;
-    return name == "full" ? Method::Full : Method::Refine;
+    if (name == "full") return Method::Full;
+    return name == "refine" ? Method::Refine : Method::Auto;
 }
 
 }  // namespace

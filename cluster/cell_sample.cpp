@@ -10,9 +10,14 @@ namespace hewer::cluster {
 
 namespace {
 
-constexpr std::uint64_t kWanted = 80'000;
-constexpr unsigned kBoxShift = 25;
-constexpr double kBoxes = 128;  // along an axis: thousands on any surface
+// Points kept: so few, or this part of all, but no more than so many.
+constexpr std::uint64_t kLeastKept = 80'000;
+constexpr std::uint64_t kMostKept = 400'000;
+constexpr std::uint64_t kKeptShare = 400;
+// Boxes along an axis are 2^kFewBits: thousands on any surface. If only one of kManyStride or more
+// is chosen, they are twice as many, or too few were left to be like the others.
+constexpr unsigned kFewBits = 7;
+constexpr std::uint64_t kManyStride = 1000;
 // Width of the bracket, as a share of its lower end, at which interpolation takes over.
 constexpr double kFineEnough = 0.3;
 constexpr double kSeparating = 0.6;
@@ -31,13 +36,17 @@ std::uint64_t mix(std::uint64_t x) {
 }  // namespace
 
 CellSample::CellSample(std::uint64_t n_points)
-    : n_points_(n_points), stride_(std::max<std::uint64_t>(1, n_points / kWanted)) {}
+    : n_points_(n_points),
+      stride_(std::max<std::uint64_t>(
+          1, n_points / std::clamp(n_points / kKeptShare, kLeastKept, kMostKept))),
+      box_bits_(stride_ < kManyStride ? kFewBits : kFewBits + 1) {}
 
 bool CellSample::is_chosen(const LatticePoint& p) const {
     if (stride_ == 1) return true;
-    const std::uint64_t box = static_cast<std::uint64_t>(p[0] >> kBoxShift) |
-                              static_cast<std::uint64_t>(p[1] >> kBoxShift) << 7 |
-                              static_cast<std::uint64_t>(p[2] >> kBoxShift) << 14;
+    const unsigned shift = 32 - box_bits_;
+    const std::uint64_t box = static_cast<std::uint64_t>(p[0] >> shift) |
+                              static_cast<std::uint64_t>(p[1] >> shift) << box_bits_ |
+                              static_cast<std::uint64_t>(p[2] >> shift) << (2 * box_bits_);
     return mix(box + 1) % stride_ == 0;
 }
 
@@ -78,11 +87,11 @@ double CellSample::separating_resolution() const {
 /// Only grids that nest in the boxes are counted without bias: a cell across the wall of a box
 /// would count on both sides. Between them, and below, the count follows a power of the resolution.
 double CellSample::count_nested(std::uint64_t cells_per_box) const {
-    return std::max(1.0, count_cells(UniformGrid(kBoxes * static_cast<double>(cells_per_box))));
+    return std::max(1.0, count_cells(UniformGrid(n_boxes() * static_cast<double>(cells_per_box))));
 }
 
 double CellSample::cells_at(double resolution) const {
-    const double along_box = resolution / kBoxes;
+    const double along_box = resolution / n_boxes();
     if (along_box <= 1) return std::max(1.0, count_nested(1) * along_box * along_box);
     const auto low = static_cast<std::uint64_t>(along_box);
     const double n_low = count_nested(low);
@@ -98,7 +107,7 @@ double CellSample::resolution_for(double wanted) const {
     std::uint64_t high = 2;
     double n_low = count_nested(low);
     double n_high = count_nested(high);
-    while (n_high < wanted && kBoxes * static_cast<double>(high) < UniformGrid::kMaxResolution) {
+    while (n_high < wanted && n_boxes() * static_cast<double>(high) < UniformGrid::kMaxResolution) {
         low = std::exchange(high, 2 * high);
         n_low = std::exchange(n_high, count_nested(high));
     }
@@ -115,7 +124,7 @@ double CellSample::resolution_for(double wanted) const {
                 std::log(static_cast<double>(high) / static_cast<double>(low));
     }
     const double resolution =
-        kBoxes * static_cast<double>(low) * std::pow(wanted / n_low, 1 / std::max(0.5, power));
+        n_boxes() * static_cast<double>(low) * std::pow(wanted / n_low, 1 / std::max(0.5, power));
     return std::clamp(resolution, 1.0, UniformGrid::kMaxResolution);
 }
 

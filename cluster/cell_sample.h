@@ -18,7 +18,7 @@ namespace hewer::cluster {
 /// boxes, without bias. The choice depends on positions only, not on order or threads.
 class CellSample {
   public:
-    /// For inputs of about `n_points` points; keeps some kWanted of them.
+    /// For inputs of about `n_points` points; keeps some 80,000 to 400,000 of them.
     explicit CellSample(std::uint64_t n_points);
 
     [[nodiscard]] bool is_chosen(const LatticePoint& p) const;
@@ -43,6 +43,7 @@ class CellSample {
     [[nodiscard]] std::uint64_t memory_bytes() const { return points_.capacity() * 12; }
 
   private:
+    [[nodiscard]] double n_boxes() const { return static_cast<double>(1U << box_bits_); }
     [[nodiscard]] double count_cells(const UniformGrid& grid) const;
     [[nodiscard]] double count_nested(std::uint64_t cells_per_box) const;
 
@@ -50,6 +51,7 @@ class CellSample {
     mutable std::map<double, double> counted_;
     std::uint64_t n_points_;
     std::uint64_t stride_;  // one of so many boxes is chosen
+    unsigned box_bits_;     // boxes along an axis, logarithm
     std::vector<LatticePoint> points_;
 };
 

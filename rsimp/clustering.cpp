@@ -381,8 +381,7 @@ CellBlocks cluster_input(ooc::Context& context, MeshSource& source, const Simpli
     stages.begin("cluster", info.n_vertices + info.n_faces, "elements");
     Pass pass(context, source, options, lattice, input.bounds, vertices, report);
     AccumulateResult result;
-    const UniformGrid grid(
-        choose_resolution(options, input.bounds, sample, counts_of(info), finer));
+    const UniformGrid grid(choose_resolution(options, input.bounds, sample, info.n_faces, finer));
     is_finest = !(input.bounds.diagonal() > 0) ||  // all vertices in one place
                 grid.resolution() >= 0.99 * sample.separating_resolution() ||
                 grid.resolution() >= 0.99 * UniformGrid::kMaxResolution;

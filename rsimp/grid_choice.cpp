@@ -63,22 +63,20 @@ double wanted_cells(const SimplifyOptions& options, std::uint64_t n_input_faces)
 
 }  // namespace
 
-InputCounts counts_of(const SourceInfo& info) {
-    return {info.n_faces, info.is_indexed ? info.n_vertices : info.n_faces / 2};
-}
-
-bool takes_all_vertices(const SimplifyOptions& options, const InputCounts& input) {
-    if (options.method == Method::Full) return true;
-    return options.method == Method::Refine && !options.cell_size &&
-           !is_error(options.targets.front().kind) && input.vertices <= kVerticesWorthAll;
+Method method_for(const SimplifyOptions& options, const SourceInfo& info) {
+    if (options.method != Method::Auto) return options.method;
+    if (options.cell_size || is_error(options.targets.front().kind)) return Method::Refine;
+    // Of a soup: what a closed surface would have.
+    const std::uint64_t n_vertices = info.is_indexed ? info.n_vertices : info.n_faces / 2;
+    return n_vertices <= kVerticesWorthAll ? Method::Full : Method::Refine;
 }
 
 double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
-                         const cluster::CellSample& sample, const InputCounts& input,
+                         const cluster::CellSample& sample, std::uint64_t n_input_faces,
                          double finer) {
     if (!(longest_side(bounds) > 0)) return 1;  // all vertices in one place
     if (options.cell_size) return resolution_of_cell(*options.cell_size, bounds, "--cell");
-    if (takes_all_vertices(options, input)) return sample.separating_resolution();
+    if (options.method == Method::Full) return sample.separating_resolution();
     const Target& finest = options.targets.front();
     const double error = target_error(finest, bounds);
     if (error > 0) {
@@ -86,13 +84,12 @@ double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
             std::sqrt(finer) * resolution_of_cell(error / kCellsPerError, bounds, "--error"),
             cluster::UniformGrid::kMaxResolution);
     }
-    return sample.resolution_for(finer * wanted_cells(options, input.faces));
+    return sample.resolution_for(finer * wanted_cells(options, n_input_faces));
 }
 
-unsigned feedback_rounds(const SimplifyOptions& options, const InputCounts& input) {
+unsigned feedback_rounds(const SimplifyOptions& options) {
     if (options.targets.empty() || is_error(options.targets.front().kind)) return 0;
-    return options.feedback_rounds.value_or(takes_all_vertices(options, input) ? kFeedbackRounds
-                                                                               : 0);
+    return options.feedback_rounds.value_or(options.method == Method::Full ? kFeedbackRounds : 0);
 }
 
 unsigned fit_rounds(const SimplifyOptions& options) {

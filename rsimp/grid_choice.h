@@ -14,7 +14,8 @@ namespace hewer::rsimp {
 /// Cells per vertex of the finest LOD. More cells see more of the surface and cost time;
 /// docs/quality.md has the measurements.
 inline constexpr double kCellsPerVertex = 7;
-/// Inputs with up to so many vertices are refined from the vertices themselves: a second or two.
+/// Inputs with up to so many vertices are refined from the vertices themselves, unless told
+/// otherwise: that takes a second or two.
 inline constexpr std::uint64_t kVerticesWorthAll = 1'000'000;
 /// Other targets, however small, get at least this many cells: less would save no time worth
 /// having.
@@ -26,7 +27,7 @@ inline constexpr double kClustersPerVertex = 3;
 /// With fewer cells than this times the clusters wanted, the collapse begins with the cells
 /// themselves.
 inline constexpr double kWorthRefining = 1.3;
-/// Rounds of feedback for inputs that are refined from their vertices, unless told otherwise.
+/// Rounds of feedback, unless told otherwise.
 inline constexpr unsigned kFeedbackRounds = 2;
 /// Rounds of the fit, unless told otherwise; docs/quality.md.
 inline constexpr unsigned kFitRounds = 4;
@@ -34,12 +35,6 @@ inline constexpr unsigned kFitRounds = 4;
 inline constexpr double kFewCellsPerVertex = 6;
 /// With an error bound E the cells are at most E / kCellsPerError long.
 inline constexpr double kCellsPerError = 8;
-
-struct InputCounts {
-    std::uint64_t faces = 0;
-    std::uint64_t vertices = 0;  ///< of a soup: what a closed surface would have
-};
-InputCounts counts_of(const SourceInfo& info);
 
 /// Vertices that a target comes to, from the number of faces in the input. For Error targets: 0.
 double target_vertices(const Target& target, std::uint64_t n_input_faces);
@@ -51,13 +46,14 @@ double target_error(const Target& target, const Bounds& bounds);
 /// size; `finer` times the usual number of cells for Refine. Throws InvalidArgument if the cell
 /// size or the error bound is too small for 2^20 cells.
 double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
-                         const cluster::CellSample& sample, const InputCounts& input, double finer);
+                         const cluster::CellSample& sample, std::uint64_t n_input_faces,
+                         double finer);
 
-/// Whether the cells are to be the input's vertices.
-bool takes_all_vertices(const SimplifyOptions& options, const InputCounts& input);
+/// What Method::Auto stands for; any other method as it is.
+Method method_for(const SimplifyOptions& options, const SourceInfo& info);
 
-/// Rounds of feedback. None where the cells are not the vertices, unless they are asked for.
-unsigned feedback_rounds(const SimplifyOptions& options, const InputCounts& input);
+/// Rounds of feedback: for Full, unless told otherwise.
+unsigned feedback_rounds(const SimplifyOptions& options);
 
 /// Rounds of the fit. None for the uniform method, whose point is speed, nor under an error bound,
 /// which only the clusters' own places are known to keep; unless they are asked for.

@@ -93,10 +93,12 @@ bool is_in_order(MeshSource& source) {
 
 }  // namespace
 
-PlanReport plan(const std::filesystem::path& input, const SimplifyOptions& options) {
-    rsimp::check_options(options);
-    const std::unique_ptr<MeshSource> source = open_mesh(input, options.strict);
+PlanReport plan(const std::filesystem::path& input, const SimplifyOptions& asked) {
+    rsimp::check_options(asked);
+    const std::unique_ptr<MeshSource> source = open_mesh(input, asked.strict);
     const SourceInfo& info = source->info();
+    SimplifyOptions options = asked;
+    options.method = rsimp::method_for(asked, info);
     PlanReport report;
     report.input.path = info.name;
     report.input.format = info.format;
@@ -131,8 +133,7 @@ PlanReport plan(const std::filesystem::path& input, const SimplifyOptions& optio
     const bool is_free = options.targets.empty();
     const double vertices =
         is_free ? 0 : rsimp::target_vertices(options.targets.front(), info.n_faces);
-    const double resolution =
-        rsimp::choose_resolution(options, bounds, cells, rsimp::counts_of(info), share);
+    const double resolution = rsimp::choose_resolution(options, bounds, cells, info.n_faces, share);
     const cluster::UniformGrid grid(resolution);
     report.cell_size = grid.cell_size(lattice);
     report.cells = static_cast<std::uint64_t>(cells.cells_at(grid.resolution()) / share);
@@ -154,7 +155,7 @@ PlanReport plan(const std::filesystem::path& input, const SimplifyOptions& optio
     counts.has_attributes =
         info.has_normals || info.has_colors || options.priority == SplitPriority::NormalVariation;
     counts.has_fit = rsimp::fit_rounds(options) > 0;
-    const unsigned n_feedback = rsimp::feedback_rounds(options, rsimp::counts_of(info));
+    const unsigned n_feedback = rsimp::feedback_rounds(options);
     counts.has_feedback = n_feedback > 0;
     if (!is_in_order(*source)) counts.triangles_out_of_order = info.n_faces;
     report.memory_limit_bytes =

@@ -70,11 +70,12 @@ std::string hex(std::uint64_t value) {
 
 }  // namespace
 
-SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
-                        const SimplifyOptions& options, const Hooks& hooks,
-                        const ParentsCallback& parents) {
+SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const SimplifyOptions& asked,
+                        const Hooks& hooks, const ParentsCallback& parents) {
     const auto start = std::chrono::steady_clock::now();
-    check_options(options);
+    check_options(asked);
+    SimplifyOptions options = asked;
+    options.method = method_for(asked, source.info());
     require_memory(options, source.info());
     ooc::Context context({.memory_bytes = options.memory_bytes,
                           .n_threads = options.n_threads,

@@ -173,7 +173,7 @@ StartMesh make_start_mesh(ooc::Context& context, MeshSource& source, const Simpl
         const bool is_uniform = options.method == Method::Uniform;
         Attempt attempt = is_uniform ? fuse_to_budget(context, cells, options, stages, report)
                                      : refine_to_budget(context, cells, options, stages, report);
-        const unsigned rounds = feedback_rounds(options, counts_of(source.info()));
+        const unsigned rounds = feedback_rounds(options);
         for (unsigned i = 0; i < rounds; ++i) {
             attempt = improve(context, cells, options, std::move(attempt), stages, report);
         }

@@ -16,7 +16,8 @@ namespace hewer {
 enum class Method {
     Refine,  ///< fine grid, refined coarse to fine, finished by edge collapse (RSimp on OoCS cells)
     Uniform,  ///< one grid as coarse as the target (OoCS): fastest
-    Full,     ///< every original vertex takes part (VMRSimp): slowest, needs memory by input size
+    Full,     ///< every original vertex takes part (VMRSimp), with feedback: best and slowest
+    Auto,     ///< Full for inputs of up to a million vertices, Refine for larger ones
 };
 
 /// What makes a cluster the worst one, to be split next.
@@ -43,7 +44,7 @@ struct SimplifyOptions {
     /// come from one read of the input and nest.
     std::vector<Target> targets;
 
-    Method method = Method::Refine;
+    Method method = Method::Auto;
     SplitPriority priority = SplitPriority::Quadric;
 
     /// Edge of a grid cell in model units instead of one derived from the target.
@@ -55,8 +56,7 @@ struct SimplifyOptions {
     double border_weight = 30.0;
 
     /// Rounds in which the places where the first LOD is far from the input are found, and the
-    /// budget is shared out again; 0: none. Unset: two for inputs of up to a million vertices and
-    /// for Full, none otherwise.
+    /// budget is shared out again; 0: none. Unset: two for Full, none otherwise.
     std::optional<unsigned> feedback_rounds;
     /// Rounds in which the vertices of each LOD are moved, as a whole, towards the original
     /// surface; 0: none. Unset: what the method calls for (none for Uniform, none under an error

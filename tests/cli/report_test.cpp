@@ -85,6 +85,7 @@ TEST(CliReport, of_simplify_has_all_figures) {
     EXPECT_EQ(keys_of(report), (Keys{"version",
                                      "command",
                                      "options",
+                                     "method",
                                      "input",
                                      "grid",
                                      "dropped",
@@ -121,7 +122,8 @@ TEST(CliReport, of_simplify_has_all_figures) {
                     "temp_bytes_written", "peak_budget_bytes", "peak_resident_bytes"}));
     EXPECT_EQ(report["options"]["triangles"], 500);
     EXPECT_EQ(report["options"]["ratio"], nullptr);
-    EXPECT_EQ(report["options"]["method"], "refine");
+    EXPECT_EQ(report["options"]["method"], "auto");
+    EXPECT_EQ(report["method"], "full");  // what a small input gets
     EXPECT_EQ(report["options"]["threads"], 2);
     EXPECT_EQ(report["options"]["strict"], false);
     EXPECT_GT(report["options"]["memory"], 0) << "the default is filled in";

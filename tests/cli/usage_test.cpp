@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(
                 simplify({"--ratio", "5%", "--method", "uniform", "--priority", "normal"}),
                 "--priority and --method uniform contradict"},
         Refusal{"unknown_method", simplify({"--ratio", "5%", "--method", "best"}),
-                "'best' is none of refine, uniform, full"},
+                "'best' is none of auto, refine, uniform, full"},
         Refusal{"flat_box", simplify({"--ratio", "5%", "--bounds", "0,0,0,0,0,0"}), "a point"},
         Refusal{"box_inside_out", simplify({"--ratio", "5%", "--bounds", "1,0,0,0,1,1"}),
                 "larger x"},
