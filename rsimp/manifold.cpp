@@ -217,8 +217,9 @@ class Fans {
 };
 
 /// Folding pinches off bubbles: small closed components that share clusters with a larger one. They
-/// stand for nothing of their own, and dropping a closed component opens nothing. Faces are dropped
-/// from fans.named().
+/// stand for nothing of their own, and dropping a closed component opens nothing. Nor does a
+/// triangle that is there twice, once for each side, make a closed surface. Faces are dropped from
+/// fans.named().
 std::uint64_t drop_bubbles(const BlockMesh& mesh, Fans& fans) {
     std::vector<LocalFace>& named = fans.named();
     std::vector<std::uint32_t> label(fans.n_vertices());
@@ -237,6 +238,7 @@ std::uint64_t drop_bubbles(const BlockMesh& mesh, Fans& fans) {
     // Open and unfinished components count as large ones.
     std::vector<std::uint32_t> n_faces(label.size());
     constexpr std::uint32_t kLarge = 1U << 30;
+    constexpr std::uint32_t kTriangleTwice = 2;  // faces
     for (std::size_t f = 0; f < named.size(); ++f) {
         std::uint32_t& n = n_faces[find(named[f][0])];
         if (n < kLarge) ++n;
@@ -261,7 +263,10 @@ std::uint64_t drop_bubbles(const BlockMesh& mesh, Fans& fans) {
     std::vector<bool> is_bubble(label.size());
     for (std::uint32_t v = 0; v < label.size(); ++v) {
         const std::uint32_t c = find(v);
-        if (largest[fans.origin(v)] != c && n_faces[c] <= kMostFacesOfBubble) is_bubble[c] = true;
+        const bool is_small = n_faces[c] <= kMostFacesOfBubble;
+        if ((is_small && largest[fans.origin(v)] != c) || n_faces[c] == kTriangleTwice) {
+            is_bubble[c] = true;
+        }
     }
     return std::erase_if(named, [&](const LocalFace& t) { return is_bubble[find(t[0])]; });
 }
