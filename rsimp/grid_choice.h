@@ -19,7 +19,7 @@ inline constexpr double kCellsPerVertex = 7;
 inline constexpr std::uint64_t kVerticesWorthAll = 1'000'000;
 /// Other targets, however small, get at least this many cells: less would save no time worth
 /// having.
-inline constexpr double kFewestCells = 200'000;
+inline constexpr double kFewestCells = 50'000;
 /// The same for the uniform method, which fuses them.
 inline constexpr double kUniformCellsPerVertex = 3;
 /// Clusters per vertex of the finest LOD at which refinement hands over to the edge collapse.
