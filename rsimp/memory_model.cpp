@@ -78,9 +78,12 @@ std::uint64_t sample_bytes(const MemoryCounts& n) {
 }
 
 std::uint64_t finish_bytes(const MemoryCounts& n) {
-    const std::uint64_t cells = n.has_feedback ? blocks_bytes(n) : 0;
-    return cells + sample_bytes(n) + piece_bytes(n) +
-           std::max(cluster_bytes(n), n.clusters * 20 + lod_bytes(n));
+    // Cells may still be asked for finer clusters while these become pieces; feedback needs them
+    // until there is a mesh.
+    const std::uint64_t begin = blocks_bytes(n) + cluster_bytes(n) + piece_bytes(n);
+    const std::uint64_t run = (n.has_feedback ? blocks_bytes(n) : 0) + sample_bytes(n) +
+                              piece_bytes(n) + n.clusters * 20 + lod_bytes(n);
+    return std::max(begin, run);
 }
 
 /// An LOD, positions and moves of its vertices, and the vertices where they end.
