@@ -15,8 +15,9 @@ constexpr std::uint64_t kLeastKept = 80'000;
 constexpr std::uint64_t kMostKept = 400'000;
 constexpr std::uint64_t kKeptShare = 400;
 // Boxes along an axis are 2^kFewBits: thousands on any surface. If only one of kManyStride or more
-// is chosen, they are twice as many, or too few were left to be like the others.
+// is chosen, they are 2^kManyBits, or too few would be left to be like the others.
 constexpr unsigned kFewBits = 7;
+constexpr unsigned kManyBits = 9;
 constexpr std::uint64_t kManyStride = 1000;
 // Width of the bracket, as a share of its lower end, at which interpolation takes over.
 constexpr double kFineEnough = 0.3;
@@ -39,7 +40,7 @@ CellSample::CellSample(std::uint64_t n_points)
     : n_points_(n_points),
       stride_(std::max<std::uint64_t>(
           1, n_points / std::clamp(n_points / kKeptShare, kLeastKept, kMostKept))),
-      box_bits_(stride_ < kManyStride ? kFewBits : kFewBits + 1) {}
+      box_bits_(stride_ < kManyStride ? kFewBits : kManyBits) {}
 
 bool CellSample::is_chosen(const LatticePoint& p) const {
     if (stride_ == 1) return true;
