@@ -141,7 +141,12 @@ PlanReport plan(const std::filesystem::path& input, const SimplifyOptions& asked
     const double wanted = rsimp::kClustersPerVertex * vertices;
     const bool is_refined = options.method != Method::Uniform && wanted > 0 &&
                             wanted * rsimp::kWorthRefining < static_cast<double>(report.cells);
-    const std::uint64_t clusters = is_refined ? static_cast<std::uint64_t>(wanted) : report.cells;
+    // The uniform method fuses its cells to about as many clusters as there are to be vertices.
+    const bool is_fused = options.method == Method::Uniform && vertices > 0;
+    const std::uint64_t clusters = static_cast<std::uint64_t>(
+        is_refined ? wanted
+                   : (is_fused ? std::min(vertices, static_cast<double>(report.cells))
+                               : static_cast<double>(report.cells)));
     report.target_triangles = static_cast<std::uint64_t>(2 * vertices);
     const std::uint64_t out_triangles =
         vertices > 0 ? report.target_triangles : report.surviving_triangles;
