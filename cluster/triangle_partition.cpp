@@ -25,10 +25,12 @@ void TrianglePartition::finish() {
     for (std::uint32_t b = 0; b < kBoxes; ++b) {
         flush(b);
         waiting_[b] = {};
-        for (std::uint64_t first = 0; first < boxes_[b].size(); first += kAtOnce) {
+        std::uint32_t n_pieces = 0;
+        for (std::uint64_t first = 0; first < boxes_[b].size(); first += kAtOnce, ++n_pieces) {
             const auto n = static_cast<std::uint32_t>(std::min(kAtOnce, boxes_[b].size() - first));
             pieces_.push_back({b, n, first});
         }
+        n_unread_[b] = n_pieces;
     }
 }
 
@@ -38,9 +40,11 @@ bool TrianglePartition::next(std::vector<LatticeTriangle>& triangles) {
     const Piece& piece = pieces_[p];
     triangles.resize(piece.n);
     boxes_[piece.box].read(piece.first, triangles);
-    // Boxes before the one before this have been read by everybody.
-    if (piece.first == 0 && piece.box >= 2)
-        boxes_[piece.box - 2].discard_before(boxes_[piece.box - 2].size());
+    // Pieces are taken in order but may be read in any: the last reader of a box, whoever it is,
+    // gives its space back.
+    if (n_unread_[piece.box].fetch_sub(1) == 1) {
+        boxes_[piece.box].discard_before(boxes_[piece.box].size());
+    }
     return true;
 }
 

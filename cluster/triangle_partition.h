@@ -52,6 +52,7 @@ class TrianglePartition {
         std::uint64_t first;
     };
     std::vector<Piece> pieces_;
+    std::array<std::atomic<std::uint32_t>, kBoxes> n_unread_{};  // pieces, by box
     std::atomic<std::size_t> next_{0};
 };
 

@@ -42,10 +42,4 @@ BlockMesh PieceStore::load(std::size_t first, std::size_t last) const {
     return mesh;
 }
 
-void PieceStore::discard_before(std::size_t piece) {
-    vertices_.discard_before(pieces_[piece].first_vertex);
-    if (with_attributes_) attributes_.discard_before(pieces_[piece].first_vertex);
-    faces_.discard_before(pieces_[piece].first_face);
-}
-
 }  // namespace hewer::rsimp

@@ -27,8 +27,6 @@ class PieceStore {
     [[nodiscard]] std::uint64_t n_faces() const { return pieces_.back().first_face; }
     /// The pieces [first, last) as one mesh. Any thread.
     [[nodiscard]] BlockMesh load(std::size_t first, std::size_t last) const;
-    /// The pieces before this one will not be loaded again.
-    void discard_before(std::size_t piece);
 
   private:
     struct Piece {
