@@ -37,8 +37,6 @@ using cluster::VertexStore;
 
 namespace {
 
-// Of the limit, for the window over vertices that do not fit.
-constexpr std::uint64_t kWindowShare = 8;
 constexpr std::uint64_t kLeastTableCells = 20'000;
 // The table may be spilled so many times, and so many times as often as all cells take, before the
 // triangles count as being in no order.

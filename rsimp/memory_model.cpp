@@ -150,7 +150,8 @@ namespace {
 /// The table of cells while the triangles are read.
 struct Table {
     bool holds_all_cells;
-    std::uint64_t kept;  ///< of its memory, while its cells go out
+    std::uint64_t n_held;  ///< cells, at most
+    std::uint64_t kept;    ///< of its memory, while its cells go out
 };
 
 std::uint64_t sums_bytes(const MemoryCounts& n) {
@@ -161,16 +162,19 @@ bool has_resident_vertices(const MemoryCounts& n, std::uint64_t limit) {
     return 16 * n.vertices <= limit / kResidentShare;
 }
 
+/// The vertices while the triangles are read: all, or a window over them.
+std::uint64_t vertex_bytes(const MemoryCounts& n, std::uint64_t limit) {
+    return has_resident_vertices(n, limit) ? 16 * n.vertices : limit / kWindowShare;
+}
+
 Table table_of(const MemoryCounts& n, std::uint64_t limit) {
-    const std::uint64_t resident = has_resident_vertices(n, limit) ? 16 * n.vertices : 0;
-    const std::uint64_t taken = ooc::MemoryBudget::kFixedBytes + slack_bytes(limit) + resident +
-                                limit / kSpareShare + kSpareBytes;
+    const std::uint64_t taken = ooc::MemoryBudget::kFixedBytes + slack_bytes(limit) +
+                                vertex_bytes(n, limit) + limit / kSpareShare + kSpareBytes;
     const std::uint64_t bytes = limit - std::min(limit, taken);
     const double in_table = cluster::CellRuns::bytes_per_cell(n.has_attributes);
-    const double n_held =
-        std::min(static_cast<double>(n.cells), static_cast<double>(bytes) / in_table);
-    return {static_cast<double>(n.cells) * in_table <= static_cast<double>(bytes),
-            static_cast<std::uint64_t>(n_held) * (sums_bytes(n) + kIndexBytes)};
+    const auto n_held = static_cast<std::uint64_t>(
+        std::min(static_cast<double>(n.cells), static_cast<double>(bytes) / in_table));
+    return {n_held == n.cells, n_held, n_held * (sums_bytes(n) + kIndexBytes)};
 }
 
 }  // namespace
@@ -195,8 +199,14 @@ std::uint64_t temp_bytes(const MemoryCounts& n, std::uint64_t limit) {
             faces_of(n.cells) * sizeof(cluster::CodeTriple);
         const std::uint64_t records = n.cells * (sizeof(CellRecord) + sizeof(std::uint64_t) +
                                                  (n.has_attributes ? sizeof(CellAttributes) : 0));
-        // The table keeps its memory while the last run goes out.
-        merge = std::max(runs + records, runs + table.kept);
+        // The table keeps its memory while the last run goes out; the vertices are there while
+        // the others do.
+        const std::uint64_t n_full = n.cells / std::max<std::uint64_t>(1, table.n_held);
+        const double full_share =
+            static_cast<double>(n_full * table.n_held) / static_cast<double>(n.cells);
+        const auto full_runs = static_cast<std::uint64_t>(full_share * static_cast<double>(runs));
+        merge = std::max(
+            {runs + records, runs + table.kept, full_runs + table.kept + vertex_bytes(n, limit)});
     } else {
         merge = n.cells * (sums_bytes(n) + kOrderBytes) + blocks_bytes(n);
         at_once += limit / ooc::PageEvictor::kLeastShare;

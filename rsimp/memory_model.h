@@ -24,8 +24,9 @@ struct MemoryCounts {
 };
 
 /// Vertices stay in memory while the triangles are read if they take no more than this part of it;
-/// else a window over them takes so much less.
+/// else there is a window over them, of another part.
 inline constexpr std::uint64_t kResidentShare = 3;
+inline constexpr std::uint64_t kWindowShare = 8;
 /// While the triangles are read: left to the pages of spools, and to batches of input in flight.
 inline constexpr std::uint64_t kSpareShare = 16;
 inline constexpr std::uint64_t kSpareBytes = 6 << 20;
