@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 /// The program: parse, run, and turn whatever happens into one sentence and an exit code.
-#include <malloc.h>
 
 #include <csignal>
 #include <cstdio>
@@ -14,6 +13,7 @@
 #include "app/commands.h"
 #include "app/exit_code.h"
 #include "app/interrupt.h"
+#include "hewer/allocator.h"
 #include "hewer/error.h"
 
 namespace hewer::app {
@@ -55,6 +55,8 @@ ExitCode run_all(int argc, const char* const* argv) {
         return ExitCode::Ok;
     }
     const auto& arguments = std::get<Arguments>(parsed);
+    tune_allocator(arguments.get<std::uint64_t>("memory"),
+                   static_cast<unsigned>(arguments.get<std::uint64_t>("threads")));
     const Interrupt interrupt;
     try {
         run(arguments, interrupt.token());
@@ -94,10 +96,6 @@ int main(int argc, char** argv) {
     using hewer::app::ExitCode;
     // A file size limit then makes a write fail, with a message, instead of ending the process.
     std::signal(SIGXFSZ, SIG_IGN);
-    // What a block frees goes back to the system at once. Left alone, the allocator learns to keep
-    // ever larger pieces on each thread's heap, and the memory limit would not hold.
-    mallopt(M_MMAP_THRESHOLD, 256 << 10);
-    mallopt(M_TRIM_THRESHOLD, 512 << 10);
     ExitCode code = ExitCode::Internal;
     try {
         code = hewer::app::run_all(argc, argv);
