@@ -49,10 +49,7 @@ class Accumulator {
     }
 
     void flush() {
-        if (run_cell_ == CellTable::kNone) return;
-        run_.add_to(table_.sums(run_cell_), is_shared_);
-        run_ = {};
-        run_cell_ = CellTable::kNone;
+        for (Pending& pending : pending_) empty(pending);
     }
 
     std::uint64_t n_triangles = 0;
@@ -60,6 +57,24 @@ class Accumulator {
     std::int64_t area_units = 0;
 
   private:
+    struct Pending {
+        std::uint32_t cell = CellTable::kNone;
+        CellContribution sums;
+    };
+    HEWER_INLINE void empty(Pending& pending) noexcept {
+        if (pending.cell == CellTable::kNone) return;
+        pending.sums.add_to(table_.sums(pending.cell), is_shared_);
+        pending = {};
+    }
+    HEWER_INLINE CellContribution& sums_of(std::uint32_t cell) noexcept {
+        Pending& pending = pending_[cell % kPending];
+        if (pending.cell != cell) {
+            empty(pending);
+            pending.cell = cell;
+        }
+        return pending.sums;
+    }
+
     /// Whether the triangle survives. Must not throw: GCC takes callers of clones for callers of
     /// functions that never do, and an exception would end the process.
     HEWER_VECTOR_CLONES bool add_to_cells(const std::array<Corner, 3>& t) noexcept {
@@ -79,23 +94,21 @@ class Accumulator {
         const bool same01 = t[0].cell == t[1].cell;
         const bool same12 = t[1].cell == t[2].cell;
         if (same01 && same12) {
-            if (t[0].cell != run_cell_) {
-                flush();
-                run_cell_ = t[0].cell;
-            }
+            CellContribution& sums = sums_of(t[0].cell);
             const Vec3 a = offset(p0);
             const Vec3 b = offset(p1);
             const Vec3 c = offset(p2);
-            run_.add_plane(fixed_, normal, area, (1.0 / 3) * (a + b + c));
-            // The border vectors of the three corners cancel; their moments are twice this.
+            sums.add_plane(fixed_, normal, area, (1.0 / 3) * (a + b + c));
+            // The border vectors of the three corners cancel; their moments come to twice
+            // (b - a) x (c - a).
             const auto qa = quantized(p0);
             const auto qb = quantized(p1);
             const auto qc = quantized(p2);
             for (std::size_t i = 0; i < 3; ++i) {
                 const std::size_t j = (i + 1) % 3;
                 const std::size_t k = (i + 2) % 3;
-                run_.border[3 + i] += 2 * (qa[j] * (qb[k] - qc[k]) - qa[k] * (qb[j] - qc[j]) +
-                                           qb[j] * qc[k] - qb[k] * qc[j]);
+                sums.border[3 + i] += 2 * ((qb[j] - qa[j]) * (qc[k] - qa[k]) -
+                                           (qb[k] - qa[k]) * (qc[j] - qa[j]));
             }
             if (with_face_normals_) add_face_normal(t[0].cell, normal, area);
             return false;
@@ -108,21 +121,21 @@ class Accumulator {
                     static_cast<std::uint32_t>(grid_.quantized(t[v].point[i], fixed_.border_bits));
             }
         }
-        CellContribution one;
-        one.set_normal(fixed_, normal, area / 3);
         for (std::size_t v = 0; v < 3; ++v) {
-            one.set_place(fixed_, normal, area / 3, offset(t[v].point));
+            CellContribution& sums = sums_of(t[v].cell);
+            sums.add_plane(fixed_, normal, area / 3, offset(t[v].point));
             const auto q = relative_to_cell(whole[v]);
+            // w - u for the corner v of (u, v, w)
+            std::array<std::uint32_t, 3> chord;
             for (std::size_t i = 0; i < 3; ++i) {
-                // w - u for the corner v of (u, v, w)
-                one.border[i] = whole[(v + 1) % 3][i] - whole[(v + 2) % 3][i];
+                chord[i] = whole[(v + 1) % 3][i] - whole[(v + 2) % 3][i];
+                sums.border[i] += chord[i];
             }
             for (std::size_t i = 0; i < 3; ++i) {
                 const std::size_t j = (i + 1) % 3;
                 const std::size_t k = (i + 2) % 3;
-                one.border[3 + i] = q[j] * one.border[k] - q[k] * one.border[j];
+                sums.border[3 + i] += q[j] * chord[k] - q[k] * chord[j];
             }
-            one.add_to(table_.sums(t[v].cell), is_shared_);
             if (with_face_normals_) add_face_normal(t[v].cell, normal, area / 3);
         }
         return !same01 && !same12 && t[0].cell != t[2].cell;
@@ -171,9 +184,9 @@ class Accumulator {
     TripleList& triples_;
     bool with_face_normals_;
     bool is_shared_;
-    // Triangles inside one cell come in runs: they are added up here first.
-    std::uint32_t run_cell_ = CellTable::kNone;
-    CellContribution run_;
+    // The cells of a triangle are mostly those of the ones before: they are added up here first.
+    static constexpr std::uint32_t kPending = 16;
+    std::array<Pending, kPending> pending_;
 };
 
 /// One worker's way from a batch of triangles to corners with cells.

@@ -2,6 +2,7 @@
 #include "cluster/cell_blocks.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <utility>
 
@@ -21,6 +22,28 @@ struct CodedSlot {
 };
 
 constexpr std::uint64_t kPiece = 1 << 13;
+
+struct CellCounts {
+    std::uint64_t touched = 0;
+    std::uint64_t border = 0;
+};
+
+CellCounts count_cells(ooc::Context& context, CellTable& table) {
+    std::atomic<std::uint64_t> n_touched{0};
+    std::atomic<std::uint64_t> n_border{0};
+    context.workers().for_ranges(table.size(), kPiece, [&](std::uint64_t b, std::uint64_t e) {
+        CellCounts counts;
+        for (std::uint64_t slot = b; slot < e; ++slot) {
+            const CellSums& sums = table.sums(static_cast<std::uint32_t>(slot));
+            if (sums.is_touched == 0) continue;
+            ++counts.touched;
+            if (has_border(sums)) ++counts.border;
+        }
+        n_touched += counts.touched;
+        n_border += counts.border;
+    });
+    return {n_touched, n_border};
+}
 
 /// The triples by ids, sorted into the blocks of their median corners.
 void append_faces(ooc::Context& context, const ooc::Array<std::uint32_t>& rank,
@@ -67,22 +90,20 @@ CellBlocks build_cell_blocks(ooc::Context& context, const Lattice& lattice, cons
                              double border_weight, std::uint64_t most_cells) {
     CellBlocks blocks = make_cell_blocks(context, lattice, grid, table.has_attributes());
     const FixedPoint fixed(grid.resolution());
-    std::uint64_t n_cells = 0;
-    table.for_each([&](CellKey, std::uint32_t slot) {
-        const CellSums& sums = table.sums(slot);
-        if (sums.is_touched == 0) return;
-        ++n_cells;
-        if (has_border(sums)) ++blocks.n_border_cells;
-    });
+    const std::uint64_t n_slots = table.size();
+    const CellCounts counts = count_cells(context, table);
+    const std::uint64_t n_cells = counts.touched;
+    blocks.n_border_cells = counts.border;
     blocks.is_consistently_wound = !is_border_implausible(blocks.n_border_cells, n_cells);
     if (!blocks.is_consistently_wound) border_weight = 0;
 
     ooc::Array<CodedSlot> order(context.budget(), "cell order", n_cells);
     std::uint64_t i = 0;
     table.for_each([&](CellKey key, std::uint32_t slot) {
-        if (table.sums(slot).is_touched != 0) order[i++] = {morton(key), slot, 0};
+        // Most often no vertex is unused: no need to look.
+        if (n_cells != n_slots && table.sums(slot).is_touched == 0) return;
+        order[i++] = {morton(key), slot, 0};
     });
-    const std::uint64_t n_slots = table.size();
     table.release_index();
     {
         ooc::Array<CodedSlot> scratch(context.budget(), "cell order", n_cells);

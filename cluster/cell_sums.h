@@ -11,6 +11,7 @@
 #include <cstdint>
 
 #include "cluster/quadric.h"
+#include "ooc/vector_clones.h"
 
 namespace hewer::cluster {
 
@@ -70,39 +71,29 @@ class FieldLock {
 };
 
 /// Nearest integer of x for |x| < 2^51, without a library call and in vector registers.
+inline constexpr double kRounding = 6755399441055744.0;  // 1.5 * 2^52
 inline std::int64_t round_to_int(double x) {
-    constexpr double kMagic = 6755399441055744.0;  // 1.5 * 2^52
-    return std::bit_cast<std::int64_t>(x + kMagic) - std::bit_cast<std::int64_t>(kMagic);
+    return std::bit_cast<std::int64_t>(x + kRounding) - std::bit_cast<std::int64_t>(kRounding);
 }
 
-/// What one or several triangles add to a cell.
-struct CellContribution {
-    std::array<std::int64_t, 13> surface{};
+/// What one or several triangles add to a cell. The sums of the surface are computed four at a
+/// time, in the order of CellSums; scalars that are stored and then loaded as vectors stall.
+class CellContribution {
+  public:
     std::array<std::uint32_t, 6> border{};
 
     /// Adds a plane with unit normal n and area `weight` that passes through the points whose mean
     /// is `at` (relative to the cell's centre, in cells).
-    void add_plane(const FixedPoint& fixed, const Vec3& n, double weight, const Vec3& at) {
-        CellContribution one;
-        one.set_normal(fixed, n, weight);
-        one.set_place(fixed, n, weight, at);
-        for (std::size_t i = 0; i < surface.size(); ++i) surface[i] += one.surface[i];
-    }
-    /// The part of a plane's quadric that does not depend on the place: A.
-    void set_normal(const FixedPoint& fixed, const Vec3& n, double weight) {
+    HEWER_INLINE void add_plane(const FixedPoint& fixed, const Vec3& n, double weight,
+                                const Vec3& at) {
         const double w = weight * fixed.scale;
-        const std::array<double, 6> values{w * n[0] * n[0], w * n[0] * n[1], w * n[0] * n[2],
-                                           w * n[1] * n[1], w * n[1] * n[2], w * n[2] * n[2]};
-        for (std::size_t i = 0; i < values.size(); ++i) surface[i] = round_to_int(values[i]);
-    }
-    /// The rest: b, c and the moment.
-    void set_place(const FixedPoint& fixed, const Vec3& n, double weight, const Vec3& at) {
-        const double w = weight * fixed.scale;
+        const Vec3 wn{w * n[0], w * n[1], w * n[2]};
         const double d = dot(n, at);
         const double wd = -w * d;
-        const std::array<double, 7> values{wd * n[0], wd * n[1], wd * n[2], -wd * d,
-                                           w * at[0], w * at[1], w * at[2]};
-        for (std::size_t i = 0; i < values.size(); ++i) surface[6 + i] = round_to_int(values[i]);
+        add(0, Reals{wn[0], wn[0], wn[0], wn[1]}, Reals{n[0], n[1], n[2], n[1]});
+        add(1, Reals{wn[1], wn[2], wd, wd}, Reals{n[2], n[2], n[0], n[1]});
+        add(2, Reals{wd, wd, w, w}, Reals{n[2], -d, at[0], at[1]});
+        last_ += round_to_int(w * at[2]);
     }
 
     void add_to(CellSums& sums, bool shared) const {
@@ -115,11 +106,26 @@ struct CellContribution {
     }
 
   private:
+    using Reals = double __attribute__((vector_size(32)));
+    using Ints = std::int64_t __attribute__((vector_size(32)));
+    static constexpr std::size_t kLanes = 4;
+
+    /// Rounded products; see round_to_int().
+    HEWER_INLINE void add(std::size_t i, const Reals& a, const Reals& b) {
+        const Reals shifted = a * b + kRounding;
+        lanes_[i] += reinterpret_cast<Ints>(shifted) - std::bit_cast<std::int64_t>(kRounding);
+    }
     void add_unlocked(CellSums& sums) const {
-        for (std::size_t i = 0; i < surface.size(); ++i) sums.surface[i] += surface[i];
+        for (std::size_t v = 0; v < lanes_.size(); ++v) {
+            for (std::size_t i = 0; i < kLanes; ++i) sums.surface[kLanes * v + i] += lanes_[v][i];
+        }
+        sums.surface.back() += last_;
         for (std::size_t i = 0; i < border.size(); ++i) sums.border[i] += border[i];
         sums.is_touched = 1;
     }
+
+    std::array<Ints, 3> lanes_{};
+    std::int64_t last_ = 0;
 };
 
 }  // namespace hewer::cluster
