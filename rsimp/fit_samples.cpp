@@ -2,9 +2,12 @@
 #include "rsimp/fit_samples.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
+#include "cluster/cell_sums.h"
 #include "ooc/spool_cache.h"
 #include "rsimp/blocks_in_flight.h"
 
@@ -61,18 +64,23 @@ class CellMeans {
     ooc::SpoolCache<CellRecord> records_;
 };
 
-std::vector<FitSample> samples_of(const CellBlocks& cells, std::size_t block, bool of_triangles) {
-    const std::uint64_t first = cells.blocks[block].first_face;
-    std::vector<CellTriple> faces(cells.blocks[block + 1].first_face - first);
-    cells.faces.read(first, faces);
-    // The order of the faces is the threads'; ids are in Morton order.
+void sort_by_median(std::vector<CellTriple>& faces) {
     std::sort(faces.begin(), faces.end(), [](const CellTriple& a, const CellTriple& b) {
         const std::uint32_t middle_a = cluster::median_corner(a);
         const std::uint32_t middle_b = cluster::median_corner(b);
         return middle_a != middle_b ? middle_a < middle_b : a < b;
     });
+}
+
+std::vector<FitSample> samples_of(const CellBlocks& cells, std::size_t block, bool of_triangles) {
+    const std::uint64_t first = cells.blocks[block].first_face;
+    std::vector<CellTriple> faces(cells.blocks[block + 1].first_face - first);
+    cells.faces.read(first, faces);
+    // The order of the faces is the threads'; ids are in Morton order. Normals add up exactly.
+    if (of_triangles) sort_by_median(faces);
     CellMeans means(cells, block);
-    std::vector<Vec3> normals(means.size());
+    const double scale = cluster::FixedPoint(cells.grid.resolution()).scale;
+    std::vector<std::array<std::int64_t, 3>> normals(means.size());
     std::vector<FitSample> centers;
     for (CellTriple face : faces) {
         // From the lowest corner on, so that it does not matter which one comes first.
@@ -84,7 +92,10 @@ std::vector<FitSample> samples_of(const CellBlocks& cells, std::size_t block, bo
         const double length = std::sqrt(dot(n, n));
         if (!(length > 0)) continue;
         for (const std::uint32_t cell : face) {
-            if (means.has(cell)) normals[cell - means.first()] = normals[cell - means.first()] + n;
+            if (!means.has(cell)) continue;
+            for (std::size_t k = 0; k < 3; ++k) {
+                normals[cell - means.first()][k] += cluster::round_to_int(scale * n[k]);
+            }
         }
         if (!of_triangles) continue;
         centers.emplace_back((1.0 / 3) * (a + b + c), (1 / length) * n, 0.5 * length);
@@ -93,10 +104,12 @@ std::vector<FitSample> samples_of(const CellBlocks& cells, std::size_t block, bo
     std::vector<FitSample> samples;
     samples.reserve(means.size());
     for (std::uint64_t i = 0; i < means.size(); ++i) {
-        const double length = std::sqrt(dot(normals[i], normals[i]));
+        Vec3 normal;
+        for (std::size_t k = 0; k < 3; ++k) normal[k] = static_cast<double>(normals[i][k]);
+        const double length = std::sqrt(dot(normal, normal));
         const std::uint64_t cell = means.first() + i;
         if (!(length > 0) || !(means.area(cell) > 0)) continue;
-        samples.emplace_back(means.at(cell), (1 / length) * normals[i], means.area(cell));
+        samples.emplace_back(means.at(cell), (1 / length) * normal, means.area(cell));
     }
     return samples;
 }
