@@ -12,7 +12,7 @@ namespace hewer::rsimp {
 
 namespace {
 
-constexpr std::uint64_t kFacesPerRun = 256;
+constexpr std::uint64_t kFacesPerRun = 64;
 constexpr std::uint64_t kVerticesPerPiece = 1 << 12;
 
 VertexId id_at(const MeshStore& mesh, std::uint64_t rank) {
@@ -55,7 +55,9 @@ void MeshRegions::cut(ooc::Context& context, std::span<const cluster::OctreeBox>
     }
     first_.push_back(0);
     first_octree_box_.push_back(0);
-    const std::vector<std::size_t> groups = group_boxes(boxes, counts, kMostVertices);
+    const std::uint64_t most =
+        std::clamp(mesh_.vertices.size() / 4, kMostVertices / 4, kMostVertices);
+    const std::vector<std::size_t> groups = group_boxes(boxes, counts, most);
     for (std::size_t g = 0; g + 1 < groups.size(); ++g) {
         FloatBox box;
         std::uint64_t end = first_.back();
@@ -73,25 +75,29 @@ void MeshRegions::cut(ooc::Context& context, std::span<const cluster::OctreeBox>
 
 void MeshRegions::find_boxes_of_faces(ooc::Context& context) {
     context.workers().for_ranges(
-        face_boxes_.size(), 16, [&](std::uint64_t begin, std::uint64_t end) {
+        face_boxes_.size(), 64, [&](std::uint64_t begin, std::uint64_t end) {
             const std::uint64_t first = begin * kFacesPerRun;
             const std::uint64_t last = std::min(end * kFacesPerRun, mesh_.faces.size());
             const FaceWindow window = load_window(mesh_, index_, first, last);
             const std::vector<Vec3> positions = read_positions(mesh_, window.vertices);
-            for (std::uint64_t run = begin; run < end; ++run) face_boxes_[run] = {};
-            for (std::size_t f = 0; f < window.faces.size(); ++f) {
-                FloatBox& box = face_boxes_[begin + f / kFacesPerRun];
-                for (const std::uint32_t v : window.faces[f]) box.extend(positions[v]);
+            for (std::uint64_t run = begin; run < end; ++run) {
+                const std::uint64_t from = (run - begin) * kFacesPerRun;
+                const std::uint64_t to = std::min(from + kFacesPerRun, window.faces.size());
+                FloatBox box;
+                for (std::uint64_t f = from; f < to; ++f) {
+                    for (const std::uint32_t v : window.faces[f]) box.extend(positions[v]);
+                }
+                face_boxes_.set(run, box);
             }
             context.check_stop();
         });
+    face_boxes_.finish();
 }
 
 /// Counts whole runs.
 std::uint64_t MeshRegions::faces_at_most(std::size_t region, double reach) const {
     std::uint64_t n = 0;
-    for (const FloatBox& box : face_boxes_)
-        n += boxes_[region].meets(box, reach) ? kFacesPerRun : 0;
+    face_boxes_.for_each_near(boxes_[region], reach, [&](std::uint64_t) { n += kFacesPerRun; });
     return n;
 }
 
@@ -119,13 +125,13 @@ MeshPiece MeshRegions::load(std::size_t region, double reach, const ooc::Spool<V
 
     std::vector<Face> corners;
     const bool is_small = faces_at_most(region, reach) <= kMostFaces;
-    for (std::uint64_t run = 0; is_small && run < face_boxes_.size(); ++run) {
-        if (!box.meets(face_boxes_[run], reach)) continue;
+    const auto read_run = [&](std::uint64_t run) {
         const std::uint64_t first = run * kFacesPerRun;
         const std::uint64_t n = std::min(kFacesPerRun, mesh_.faces.size() - first);
         corners.resize(corners.size() + n);
         mesh_.faces.read(first, std::span(corners).last(n));
-    }
+    };
+    if (is_small) face_boxes_.for_each_near(box, reach, read_run);
     std::vector<std::uint64_t> others;
     for (Face& face : corners) {
         for (std::uint64_t& corner : face) {

@@ -12,10 +12,12 @@
 #include "rsimp/id_index.h"
 #include "rsimp/mesh_piece.h"
 #include "rsimp/mesh_store.h"
+#include "rsimp/run_boxes.h"
 
 namespace hewer::rsimp {
 
-/// Regions are the vertices in the largest octree boxes with at most kMostVertices. Faces stay
+/// Regions are the vertices in the largest octree boxes with at most kMostVertices, fewer where the
+/// mesh is small, so that several threads have work. Faces stay
 /// where they are, in Morton order too: they are known in small runs with the box of each, and a
 /// region reads the runs that its box meets. The boxes are those of the positions at the beginning.
 /// Nothing here depends on memory or threads.
@@ -64,8 +66,8 @@ class MeshRegions {
     IdIndex index_;
     std::vector<std::uint64_t> first_;  // vertex of each region, and the end
     std::vector<std::size_t> first_octree_box_;
-    std::vector<FloatBox> boxes_;      // of regions
-    ooc::Array<FloatBox> face_boxes_;  // of runs of faces
+    std::vector<FloatBox> boxes_;  // of regions
+    RunBoxes face_boxes_;
 };
 
 /// Of all vertices, in the frame of the mesh. One pass.

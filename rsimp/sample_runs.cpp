@@ -29,13 +29,15 @@ SampleRuns::SampleRuns(ooc::Context& context, const ooc::Spool<FitSample>& sampl
         const std::span<FitSample> read(run.data(),
                                         std::min(kSamplesPerRun, samples_.size() - first));
         samples_.read(first, read);
-        FloatBox& box = boxes_[r] = FloatBox{};
+        FloatBox box;
         for (const FitSample& sample : read) {
             box.extend(sample.position() - origin_);
             area += static_cast<double>(sample.area());
         }
+        boxes_.set(r, box);
         context.check_stop();
     }
+    boxes_.finish();
     const std::uint64_t n = std::max<std::uint64_t>(1, n_vertices);
     const std::uint64_t enough = kEnoughPerVertex * n;
     spacing_ = std::sqrt(area / static_cast<double>(n));
@@ -46,8 +48,7 @@ void SampleRuns::for_each(const FloatBox& box, double reach, const Vec3& centre,
                           const std::function<void(std::span<const WeightedPoint>)>& visit) const {
     std::vector<FitSample> samples;
     std::vector<WeightedPoint> points;
-    for (std::uint64_t run = 0; run < boxes_.size(); ++run) {
-        if (!box.meets(boxes_[run], reach)) continue;
+    boxes_.for_each_near(box, reach, [&](std::uint64_t run) {
         const std::uint64_t first = run * kSamplesPerRun;
         samples.resize(std::min(kSamplesPerRun, samples_.size() - first));
         samples_.read(first, samples);
@@ -62,7 +63,7 @@ void SampleRuns::for_each(const FloatBox& box, double reach, const Vec3& centre,
                 {to_single(p - centre), samples[i].area(), to_single(samples[i].normal())});
         }
         if (!points.empty()) visit(points);
-    }
+    });
 }
 
 }  // namespace hewer::rsimp

@@ -6,10 +6,10 @@
 #include <functional>
 #include <span>
 
-#include "ooc/array.h"
 #include "ooc/context.h"
 #include "rsimp/fit_samples.h"
 #include "rsimp/mesh_piece.h"
+#include "rsimp/run_boxes.h"
 
 namespace hewer::rsimp {
 
@@ -41,8 +41,8 @@ class SampleRuns {
   private:
     const ooc::Spool<FitSample>& samples_;
     Vec3 origin_;
-    ooc::Array<FloatBox> boxes_;  // of runs
-    std::uint64_t stride_ = 1;    // one of so many samples counts
+    RunBoxes boxes_;
+    std::uint64_t stride_ = 1;  // one of so many samples counts
     double spacing_ = 0;
 };
 
