@@ -10,6 +10,7 @@
 #include "app/format_text.h"
 #include "app/progress_bar.h"
 #include "app/report_json.h"
+#include "app/resources.h"
 #include "hewer/units.h"
 
 namespace hewer::app {
@@ -78,8 +79,7 @@ void run_info(const Arguments& arguments, const std::stop_token& stop) {
     ProgressPrinter printer(choose_progress_style(arguments.get<std::string>("progress"), false));
     InfoOptions options;
     options.with_topology = arguments.flag("topology");
-    options.memory_bytes = arguments.get<std::uint64_t>("memory");
-    options.n_threads = static_cast<unsigned>(arguments.get<std::uint64_t>("threads"));
+    take_resources(arguments, options);
     options.temp_dir = arguments.path("temp_dir");
     options.max_temp_bytes = arguments.get<std::uint64_t>("max_temp");
     const InputReport report = info(arguments.path("input"), options, printer.hooks(stop));

@@ -9,6 +9,7 @@
 #include "app/path_checks.h"
 #include "app/progress_bar.h"
 #include "app/report_json.h"
+#include "app/resources.h"
 #include "hewer/error.h"
 #include "hewer/measure.h"
 #include "hewer/text_file.h"
@@ -98,8 +99,7 @@ void run_measure(const Arguments& arguments, const std::stop_token& stop) {
     options.max_temp_bytes = arguments.get<std::uint64_t>("max_temp");
     options.seed = arguments.get<std::uint64_t>("seed");
     options.n_samples = arguments.get<std::uint64_t>("samples");
-    options.memory_bytes = arguments.get<std::uint64_t>("memory");
-    options.n_threads = static_cast<unsigned>(arguments.get<std::uint64_t>("threads"));
+    take_resources(arguments, options);
 
     ProgressPrinter printer(
         choose_progress_style(arguments.get<std::string>("progress"), arguments.flag("quiet")));

@@ -6,6 +6,7 @@
 #include "app/commands.h"
 #include "app/path_checks.h"
 #include "app/progress_bar.h"
+#include "app/resources.h"
 #include "hewer/mesh_source.h"
 #include "hewer/render.h"
 
@@ -26,8 +27,7 @@ void run_render(const Arguments& arguments, const std::stop_token& stop) {
     options.use_colors = !arguments.flag("no_color");
     options.y_up = arguments.flag("y_up");
     options.overwrite = arguments.flag("force");
-    options.memory_bytes = arguments.get<std::uint64_t>("memory");
-    options.n_threads = static_cast<unsigned>(arguments.get<std::uint64_t>("threads"));
+    take_resources(arguments, options);
     std::vector<std::filesystem::path> inputs{input};
     for (const char* key : {"after", "map"}) {
         if (arguments.is_given(key)) inputs.push_back(arguments.path(key));

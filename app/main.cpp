@@ -13,7 +13,6 @@
 #include "app/commands.h"
 #include "app/exit_code.h"
 #include "app/interrupt.h"
-#include "hewer/allocator.h"
 #include "hewer/error.h"
 
 namespace hewer::app {
@@ -55,8 +54,6 @@ ExitCode run_all(int argc, const char* const* argv) {
         return ExitCode::Ok;
     }
     const auto& arguments = std::get<Arguments>(parsed);
-    tune_allocator(arguments.get<std::uint64_t>("memory"),
-                   static_cast<unsigned>(arguments.get<std::uint64_t>("threads")));
     const Interrupt interrupt;
     try {
         run(arguments, interrupt.token());

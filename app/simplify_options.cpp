@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "app/simplify_options.h"
+#include "app/resources.h"
 
 #include <array>
 #include <string>
@@ -92,8 +93,7 @@ SimplifyOptions make_simplify_options(const Arguments& arguments) {
         }
     }
     options.strict = arguments.flag("strict");
-    options.memory_bytes = arguments.get<std::uint64_t>("memory");
-    options.n_threads = static_cast<unsigned>(arguments.get<std::uint64_t>("threads"));
+    take_resources(arguments, options);
     options.temp_dir = arguments.path("temp_dir");
     if (arguments.is_given("temp_dir") && !std::filesystem::is_directory(options.temp_dir)) {
         throw InvalidArgument("--temp-dir: " + options.temp_dir.string() +

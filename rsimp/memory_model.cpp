@@ -116,7 +116,8 @@ std::uint64_t least_limit(const SimplifyOptions& options, const SourceInfo& info
         const double vertices =
             std::min(most, target_vertices(options.targets.front(), info.n_faces));
         counts.lod_vertices = static_cast<std::uint64_t>(vertices);
-        counts.clusters = static_cast<std::uint64_t>(kClustersPerVertex * vertices);
+        counts.clusters =
+            static_cast<std::uint64_t>(clusters_per_vertex(options.method) * vertices);
     }
     constexpr std::uint64_t kMiB = 1 << 20;
     return (least_memory_bytes(counts) / kMiB + 1) * kMiB;

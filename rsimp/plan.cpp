@@ -138,7 +138,7 @@ PlanReport plan(const std::filesystem::path& input, const SimplifyOptions& asked
     report.cell_size = grid.cell_size(lattice);
     report.cells = static_cast<std::uint64_t>(cells.cells_at(grid.resolution()) / share);
     report.surviving_triangles = std::min(info.n_faces, 2 * report.cells + report.cells / 8);
-    const double wanted = rsimp::kClustersPerVertex * vertices;
+    const double wanted = rsimp::clusters_per_vertex(options.method) * vertices;
     const bool is_refined = options.method != Method::Uniform && wanted > 0 &&
                             wanted * rsimp::kWorthRefining < static_cast<double>(report.cells);
     // The uniform method fuses its cells to about as many clusters as there are to be vertices.

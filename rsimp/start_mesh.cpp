@@ -80,7 +80,8 @@ Attempt refine_to_budget(ooc::Context& context, const CellBlocks& cells,
                          const SimplifyReport& report) {
     const double triangles = budget(options, report);
     const auto n_cells = static_cast<double>(cells.n_cells());
-    double wanted = std::ceil(kClustersPerVertex * triangles / 2);
+    const double per_vertex = clusters_per_vertex(options.method);
+    double wanted = std::ceil(per_vertex * triangles / 2);
     stages.begin("refine", static_cast<std::uint64_t>(wanted), "clusters");
     std::unique_ptr<BlockRefiner> refiner;
     for (;;) {
@@ -93,8 +94,7 @@ Attempt refine_to_budget(ooc::Context& context, const CellBlocks& cells,
                   is_all ? cells_as_clusters(context, cells)
                          : refiner->refine_to_count(static_cast<std::uint64_t>(wanted)));
         if (is_all || attempt.n_triangles >= kEnoughTriangles * triangles) return attempt;
-        wanted *= std::clamp(kClustersPerVertex * triangles / std::max(attempt.n_triangles, 1.0),
-                             1.5, 8.0);
+        wanted *= std::clamp(per_vertex * triangles / std::max(attempt.n_triangles, 1.0), 1.5, 8.0);
     }
 }
 
