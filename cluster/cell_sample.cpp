@@ -15,10 +15,10 @@ constexpr std::uint64_t kLeastKept = 80'000;
 constexpr std::uint64_t kMostKept = 400'000;
 constexpr std::uint64_t kKeptShare = 400;
 // Boxes along an axis are 2^kFewBits: thousands on any surface. If only one of kManyStride or more
-// is chosen, they are 2^kManyBits, or too few would be left to be like the others.
+// is chosen, they are 2^kManyBits: of a hundred boxes the number of cells comes out a tenth wrong.
 constexpr unsigned kFewBits = 7;
 constexpr unsigned kManyBits = 9;
-constexpr std::uint64_t kManyStride = 1000;
+constexpr std::uint64_t kManyStride = 50;
 // Width of the bracket, as a share of its lower end, at which interpolation takes over.
 constexpr double kFineEnough = 0.3;
 constexpr double kSeparating = 0.6;
