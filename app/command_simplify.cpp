@@ -8,6 +8,7 @@
 #include "app/progress_bar.h"
 #include "app/report_json.h"
 #include "app/simplify_options.h"
+#include "hewer/certify.h"
 #include "hewer/simplify.h"
 #include "hewer/text_file.h"
 #include "hewer/units.h"
@@ -39,6 +40,18 @@ void print_defects(const InputReport& input) {
               << format_plural(d.degenerate_triangles, "degenerate triangle") << '\n';
 }
 
+void print_measured(const MeasureReport& m, double diagonal) {
+    const auto figures = [&](const char* name, const DistanceReport& d) {
+        std::cout << "           " << name << " at most " << format_length(d.maximum) << " ("
+                  << format_percent(d.maximum, diagonal) << "), RMS " << format_length(d.rms)
+                  << " (" << format_percent(d.rms, diagonal) << "); " << format_count(d.n_vertices)
+                  << " vertices, all of them, and " << format_count(d.n_samples) << " samples\n";
+    };
+    std::cout << "measured   distance to the nearest point of the other surface\n";
+    figures("input to output", m.forward);
+    figures("output to input", m.backward);
+}
+
 void print_summary(const SimplifyReport& r, bool is_reported) {
     const double diagonal = r.input.bounds.diagonal();
     const char* const where = is_reported ? "; the report lists them" : "; --report lists them";
@@ -56,6 +69,7 @@ void print_summary(const SimplifyReport& r, bool is_reported) {
                   << "           no vertex moved farther than " << format_length(lod.error_bound)
                   << " (" << format_percent(lod.error_bound, diagonal) << " of the diagonal)";
         std::cout << '\n';
+        if (lod.measured) print_measured(*lod.measured, diagonal);
         if (lod.lost.places != 0) {
             std::cout << "lost       " << format_plural(lod.lost.places, "place")
                       << " where parts were too small to stay or folded up, the largest "
@@ -76,9 +90,11 @@ void run_simplify(const Arguments& arguments, const std::stop_token& stop) {
 
     ProgressPrinter printer(
         choose_progress_style(arguments.get<std::string>("progress"), arguments.flag("quiet")));
-    const SimplifyReport report =
-        simplify_file(arguments.path("input"), arguments.path("output"), options,
-                      printer.hooks(stop), arguments.flag("force"));
+    const auto run = arguments.is_given("error") ? simplify_to_distance
+                     : arguments.flag("certify") ? simplify_and_measure
+                                                 : simplify_file;
+    const SimplifyReport report = run(arguments.path("input"), arguments.path("output"), options,
+                                      printer.hooks(stop), arguments.flag("force"));
     printer.finish();
     if (!arguments.flag("quiet")) print_summary(report, arguments.is_given("report"));
     if (arguments.is_given("report")) {

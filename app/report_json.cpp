@@ -133,33 +133,6 @@ Json to_value(const LostPlaces& r) {
     return {{"places", r.places}, {"cells", r.cells}, {"list", list}};
 }
 
-Json to_value(const LodReport& r) {
-    return {{"path", r.path},
-            {"target", to_value(r.target)},
-            {"target_triangles", r.target_triangles},
-            {"triangles", r.triangles},
-            {"vertices", r.vertices},
-            {"bounds", to_value(r.bounds)},
-            {"error_bound", r.error_bound},
-            {"lost_cells", r.lost_cells},
-            {"lost", to_value(r.lost)},
-            {"fit", to_value(r.fit)},
-            {"topology", to_value(r.topology)},
-            {"is_nested", r.is_nested},
-            {"bytes", r.bytes}};
-}
-
-Json to_value(const StageReport& r) {
-    return {{"name", r.name},
-            {"seconds", r.seconds},
-            {"bytes_read", r.bytes_read},
-            {"bytes_written", r.bytes_written},
-            {"temp_bytes_read", r.temp_bytes_read},
-            {"temp_bytes_written", r.temp_bytes_written},
-            {"peak_budget_bytes", r.peak_budget_bytes},
-            {"peak_resident_bytes", r.peak_resident_bytes}};
-}
-
 Json to_value(const DistanceBin& b) {
     return {{"from", b.from}, {"to", b.to}, {"n", b.n}};
 }
@@ -171,6 +144,11 @@ Json to_value(const DistanceQuantile& q) {
 Json to_value(const WorstPlace& w) {
     return {{"point", to_value(w.point)}, {"distance", w.distance}};
 }
+
+// to_list() finds only what is declared before it.
+Json to_value(const LodReport& r);
+Json to_value(const SearchStep& s);
+Json to_value(const StageReport& r);
 
 template <typename T>
 Json to_list(const std::vector<T>& items) {
@@ -191,6 +169,42 @@ Json to_value(const DistanceReport& r) {
             {"quantiles", to_list(r.quantiles)},
             {"histogram", to_list(r.histogram)},
             {"worst", to_list(r.worst)}};
+}
+
+Json to_value(const SearchStep& s) {
+    return {{"triangles", s.triangles}, {"distance", s.distance}};
+}
+
+Json to_value(const MeasureReport& r) {
+    return {{"forward", to_value(r.forward)}, {"backward", to_value(r.backward)}};
+}
+
+Json to_value(const LodReport& r) {
+    return {{"path", r.path},
+            {"target", to_value(r.target)},
+            {"target_triangles", r.target_triangles},
+            {"triangles", r.triangles},
+            {"vertices", r.vertices},
+            {"bounds", to_value(r.bounds)},
+            {"error_bound", r.error_bound},
+            {"lost_cells", r.lost_cells},
+            {"lost", to_value(r.lost)},
+            {"fit", to_value(r.fit)},
+            {"topology", to_value(r.topology)},
+            {"measured", r.measured ? to_value(*r.measured) : Json()},
+            {"is_nested", r.is_nested},
+            {"bytes", r.bytes}};
+}
+
+Json to_value(const StageReport& r) {
+    return {{"name", r.name},
+            {"seconds", r.seconds},
+            {"bytes_read", r.bytes_read},
+            {"bytes_written", r.bytes_written},
+            {"temp_bytes_read", r.temp_bytes_read},
+            {"temp_bytes_written", r.temp_bytes_written},
+            {"peak_budget_bytes", r.peak_budget_bytes},
+            {"peak_resident_bytes", r.peak_resident_bytes}};
 }
 
 Json to_value(const Value& value) {
@@ -248,6 +262,7 @@ std::string to_json(const SimplifyReport& r, const Arguments& arguments) {
                  {"feedback", to_value(r.feedback)},
                  {"collapses", r.collapses},
                  {"lods", to_list(r.lods)},
+                 {"search", to_list(r.search)},
                  {"stages", to_list(r.stages)},
                  {"warnings", r.warnings},
                  {"seconds", r.seconds},

@@ -1,24 +1,26 @@
 // SPDX-License-Identifier: MIT
 #include "app/simplify_options.h"
-#include "app/resources.h"
 
 #include <array>
 #include <string>
 #include <string_view>
 
+#include "app/resources.h"
 #include "hewer/error.h"
 
 namespace hewer::app {
 
 namespace {
 
-constexpr std::array<std::string_view, 5> kTargetKeys{"triangles", "vertices", "ratio", "error",
-                                                      "lods"};
+constexpr std::array<std::string_view, 6> kTargetKeys{"triangles", "vertices",     "ratio",
+                                                      "error",     "displacement", "lods"};
 
 // The key of the one target that was given, or empty.
 std::string_view find_target(const Arguments& arguments) {
     std::string_view found;
     for (const std::string_view key : kTargetKeys) {
+        // A search has no plan.
+        if (key == "error" && arguments.command() == Command::Plan) continue;
         if (!arguments.is_given(key)) continue;
         if (!found.empty()) {
             throw InvalidArgument("--" + std::string(found) + " and --" + std::string(key) +
@@ -36,7 +38,7 @@ std::vector<Target> make_targets(const Arguments& arguments, std::string_view ke
         return {{kind, static_cast<double>(arguments.get<std::uint64_t>(key))}};
     }
     if (key == "ratio") return {{Target::Kind::Ratio, arguments.get<double>(key)}};
-    if (key == "error") return {arguments.get<Target>(key)};
+    if (key == "error" || key == "displacement") return {arguments.get<Target>(key)};
     return arguments.get<std::vector<Target>>("lods");
 }
 
@@ -67,8 +69,8 @@ SimplifyOptions make_simplify_options(const Arguments& arguments) {
     }
     if (target.empty() && !(is_uniform && options.cell_size)) {
         throw InvalidArgument(
-            "no target: say how far to simplify with --triangles, --vertices, --ratio, --error or "
-            "--lods (or --method uniform --cell)");
+            "no target: say how far to simplify with --triangles, --vertices, --ratio, --error, "
+            "--displacement or --lods (or --method uniform --cell)");
     }
     if (is_uniform && arguments.is_given("priority")) {
         throw InvalidArgument(

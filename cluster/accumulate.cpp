@@ -107,8 +107,8 @@ class Accumulator {
             for (std::size_t i = 0; i < 3; ++i) {
                 const std::size_t j = (i + 1) % 3;
                 const std::size_t k = (i + 2) % 3;
-                sums.border[3 + i] += 2 * ((qb[j] - qa[j]) * (qc[k] - qa[k]) -
-                                           (qb[k] - qa[k]) * (qc[j] - qa[j]));
+                sums.border[3 + i] +=
+                    2 * ((qb[j] - qa[j]) * (qc[k] - qa[k]) - (qb[k] - qa[k]) * (qc[j] - qa[j]));
             }
             if (with_face_normals_) add_face_normal(t[0].cell, normal, area);
             return false;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "cluster/hash.h"
+
 namespace hewer::cluster {
 
 namespace {
@@ -25,15 +27,6 @@ constexpr double kSeparating = 0.6;
 // An estimate of so many different positions among all means that all are different.
 constexpr double kAllDiffer = 0.9;
 
-std::uint64_t mix(std::uint64_t x) {
-    x ^= x >> 33;
-    x *= 0xff51afd7ed558ccdULL;
-    x ^= x >> 33;
-    x *= 0xc4ceb9fe1a85ec53ULL;
-    x ^= x >> 33;
-    return x;
-}
-
 }  // namespace
 
 CellSample::CellSample(std::uint64_t n_points)
@@ -48,7 +41,7 @@ bool CellSample::is_chosen(const LatticePoint& p) const {
     const std::uint64_t box = static_cast<std::uint64_t>(p[0] >> shift) |
                               static_cast<std::uint64_t>(p[1] >> shift) << box_bits_ |
                               static_cast<std::uint64_t>(p[2] >> shift) << (2 * box_bits_);
-    return mix(box + 1) % stride_ == 0;
+    return well_scattered(box + 1) % stride_ == 0;
 }
 
 double CellSample::count_cells(const UniformGrid& grid) const {
@@ -59,7 +52,7 @@ double CellSample::count_cells(const UniformGrid& grid) const {
     std::uint64_t n = 0;
     for (const LatticePoint& p : points_) {
         const CellKey key = grid.key(p);
-        std::uint64_t i = mix(key) & (capacity - 1);
+        std::uint64_t i = well_scattered(key) & (capacity - 1);
         while (table[i] != ~0ULL && table[i] != key) i = (i + 1) & (capacity - 1);
         if (table[i] == key) continue;
         table[i] = key;

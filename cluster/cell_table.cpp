@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "cluster/hash.h"
 #include "hewer/error.h"
 
 namespace hewer::cluster {
@@ -18,14 +19,6 @@ constexpr double kLoad = 0.7;
 
 std::uint64_t capacity_for(std::uint64_t n_cells) {
     return std::bit_ceil(static_cast<std::uint64_t>(static_cast<double>(n_cells) / kLoad) + 1);
-}
-
-// Finalizer of MurmurHash3: neighbouring cells go far apart.
-std::uint64_t mix(std::uint64_t x) {
-    x ^= x >> 33;
-    x *= 0xff51afd7ed558ccdULL;
-    x ^= x >> 33;
-    return x;
 }
 
 }  // namespace
@@ -51,7 +44,7 @@ void CellTable::ensure_room(std::uint64_t n_cells) {
         ooc::Array<std::uint32_t> ids(context_.budget(), "cell index", capacity);
         for (std::uint64_t i = 0; i < keys_.size(); ++i) {
             if (keys_[i] == 0) continue;
-            std::uint64_t j = mix(keys_[i]) & (capacity - 1);
+            std::uint64_t j = scattered(keys_[i]) & (capacity - 1);
             while (keys[j] != 0) j = (j + 1) & (capacity - 1);
             keys[j] = keys_[i];
             ids[j] = ids_[i];
@@ -150,7 +143,7 @@ CellTable::Admission::~Admission() {
 std::uint32_t CellTable::find_or_insert(CellKey key) {
     const std::uint64_t wanted = key + 1;
     const std::uint64_t mask = keys_.size() - 1;
-    for (std::uint64_t i = mix(wanted) & mask;; i = (i + 1) & mask) {
+    for (std::uint64_t i = scattered(wanted) & mask;; i = (i + 1) & mask) {
         std::atomic_ref<std::uint64_t> slot_key(keys_[i]);
         std::atomic_ref<std::uint32_t> slot_id(ids_[i]);
         std::uint64_t found = slot_key.load(std::memory_order_relaxed);

@@ -205,13 +205,13 @@ class Distances {
 }  // namespace
 
 FeedbackResult feed_back(ooc::Context& context, const CellBlocks& cells, const MeshStore& mesh,
-                         std::span<const std::uint64_t> first_cluster) {
+                         std::span<const std::uint64_t> first_cluster, double far_distance) {
     Distances distances(context, cells, mesh, first_cluster);
     distances.measure();
     FeedbackResult result;
     result.cells = {context, "cells"};
     result.worst = distances.worst();
-    const double bound = distances.far_square();
+    const double bound = far_distance > 0 ? far_distance * far_distance : distances.far_square();
     ooc::SpoolReader<CellRecord> records(cells.cells);
     ooc::SpoolReader<float> squared(distances.squared());
     std::vector<CellRecord> stiffer;

@@ -31,7 +31,9 @@ struct FeedbackResult {
 /// Passes: one over cells and faces in regions, one over the cells. Memory: MeshRegions, and for
 /// each region in work its faces and 4 bytes a cell; 4 bytes a cell on a spool. Nothing depends on
 /// threads or memory.
+/// `far_distance`, in cells, takes the place of the several times if it is not 0.
 FeedbackResult feed_back(ooc::Context& context, const cluster::CellBlocks& cells,
-                         const MeshStore& mesh, std::span<const std::uint64_t> first_cluster);
+                         const MeshStore& mesh, std::span<const std::uint64_t> first_cluster,
+                         double far_distance);
 
 }  // namespace hewer::rsimp

@@ -93,6 +93,15 @@ std::uint64_t fit_bytes(const MemoryCounts& n) {
            n.lod_vertices * (3 * sizeof(Vec3) + sizeof(StoredVertex));
 }
 
+bool has_resident_vertices(const MemoryCounts& n, std::uint64_t limit) {
+    return 16 * n.vertices <= limit / kResidentShare;
+}
+
+/// The vertices while the triangles are read: all, or a window over them.
+std::uint64_t vertex_bytes(const MemoryCounts& n, std::uint64_t limit) {
+    return has_resident_vertices(n, limit) ? 16 * n.vertices : limit / kWindowShare;
+}
+
 }  // namespace
 
 std::uint64_t least_memory_bytes(const MemoryCounts& n) {
@@ -134,12 +143,12 @@ void require_memory(const SimplifyOptions& options, const SourceInfo& info) {
                             " or more");
 }
 
-std::uint64_t ample_memory_bytes(const MemoryCounts& n) {
+std::uint64_t ample_memory_bytes(const MemoryCounts& n, std::uint64_t limit) {
     const std::uint64_t sums =
         n.cells * (sizeof(CellSums) + (n.has_attributes ? sizeof(AttributeSums) : 0));
     const std::uint64_t table = 12 * std::bit_ceil(n.cells * 3 / 2 + 1);
     const std::uint64_t triples = faces_of(n.cells) * sizeof(cluster::CellTriple);
-    const std::uint64_t accumulate = 16 * n.vertices + table + sums + triples;
+    const std::uint64_t accumulate = vertex_bytes(n, limit) + table + sums + triples;
     // Order, ranks and codes of the cells, and their records, beside the sums.
     const std::uint64_t build = sums + n.cells * (16 + 4 + 4) + blocks_bytes(n) + triples;
     return least_memory_bytes(n) / 2 +
@@ -157,15 +166,6 @@ struct Table {
 
 std::uint64_t sums_bytes(const MemoryCounts& n) {
     return sizeof(CellSums) + (n.has_attributes ? sizeof(AttributeSums) : 0);
-}
-
-bool has_resident_vertices(const MemoryCounts& n, std::uint64_t limit) {
-    return 16 * n.vertices <= limit / kResidentShare;
-}
-
-/// The vertices while the triangles are read: all, or a window over them.
-std::uint64_t vertex_bytes(const MemoryCounts& n, std::uint64_t limit) {
-    return has_resident_vertices(n, limit) ? 16 * n.vertices : limit / kWindowShare;
 }
 
 Table table_of(const MemoryCounts& n, std::uint64_t limit) {

@@ -49,7 +49,7 @@ std::uint64_t least_limit(const SimplifyOptions& options, const SourceInfo& info
 void require_memory(const SimplifyOptions& options, const SourceInfo& info);
 
 /// What a run takes when it has all that it can use: nothing goes to disk then.
-std::uint64_t ample_memory_bytes(const MemoryCounts& counts);
+std::uint64_t ample_memory_bytes(const MemoryCounts& counts, std::uint64_t limit);
 
 /// Whether triangles that are in no order have to be sorted by place, with `limit` bytes of memory.
 bool sorts_triangles(const MemoryCounts& counts, std::uint64_t limit);

@@ -166,7 +166,7 @@ PlanReport plan(const std::filesystem::path& input, const SimplifyOptions& asked
     report.memory_limit_bytes =
         options.memory_bytes != 0 ? options.memory_bytes : ooc::default_memory_limit();
     report.least_memory_bytes = rsimp::least_limit(options, info);
-    report.memory_bytes = std::min(rsimp::ample_memory_bytes(counts),
+    report.memory_bytes = std::min(rsimp::ample_memory_bytes(counts, report.memory_limit_bytes),
                                    std::max(report.memory_limit_bytes, report.least_memory_bytes));
     report.fits = report.least_memory_bytes <= report.memory_limit_bytes;
     report.temp_bytes = rsimp::temp_bytes(counts, report.memory_limit_bytes);

@@ -109,9 +109,10 @@ Attempt improve(ooc::Context& context, CellBlocks& cells, const SimplifyOptions&
     Finisher& finisher = *attempt.start.finisher;
     const MeshStore mesh = finisher.run(target, false, unused);
     if (mesh.faces.empty()) return refine_to_budget(context, cells, options, stages, report);
-    FeedbackResult result = feed_back(context, cells, mesh, finisher.first_cluster());
-    cells.cells = std::move(result.cells);
     const double cell_size = cells.grid.cell_size(cells.lattice);
+    FeedbackResult result = feed_back(context, cells, mesh, finisher.first_cluster(),
+                                      options.feedback_distance / cell_size);
+    cells.cells = std::move(result.cells);
     FeedbackReport& feedback = report.feedback;
     feedback.far_cells = result.n_far;
     feedback.last_worst = cell_size * result.worst;

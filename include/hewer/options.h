@@ -58,6 +58,9 @@ struct SimplifyOptions {
     /// Rounds in which the places where the first LOD is far from the input are found, and the
     /// budget is shared out again; 0: none. Unset: two for Full, none otherwise.
     std::optional<unsigned> feedback_rounds;
+    /// What is farther than this, in model units, is far. 0: what is several times the common
+    /// distance.
+    double feedback_distance = 0;
     /// Rounds in which the vertices of each LOD are moved, as a whole, towards the original
     /// surface; 0: none. Unset: what the method calls for (none for Uniform, none under an error
     /// bound).

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "hewer/measure.h"
 #include "hewer/mesh_source.h"
 #include "hewer/options.h"
 #include "hewer/types.h"
@@ -96,6 +97,12 @@ struct LostPlaces {
     std::vector<LostPlace> list;  ///< the largest, by size, then place
 };
 
+/// A budget that simplify_to_distance() tried.
+struct SearchStep {
+    std::uint64_t triangles = 0;
+    double distance = 0;  ///< measured, the larger of both directions, model units
+};
+
 struct LodReport {
     std::string path;
     Target target;
@@ -112,6 +119,7 @@ struct LodReport {
     LostPlaces lost;               ///< where; with parts that fell between the cells
     FitReport fit;
     TopologyReport topology;
+    std::optional<MeasureReport> measured;  ///< by the functions of hewer/certify.h
     bool is_nested = true;  ///< every vertex of the next finer LOD has one parent here
     std::uint64_t bytes = 0;
 };
@@ -126,6 +134,7 @@ struct SimplifyReport {
     FeedbackReport feedback;
     std::uint64_t collapses = 0;  ///< of the finishing edge collapse, all LODs
     std::vector<LodReport> lods;
+    std::vector<SearchStep> search;  ///< in the order of the tries
     std::vector<StageReport> stages;
     std::vector<std::string> warnings;
     double seconds = 0;

@@ -93,6 +93,7 @@ TEST(CliReport, of_simplify_has_all_figures) {
                                      "feedback",
                                      "collapses",
                                      "lods",
+                                     "search",
                                      "stages",
                                      "warnings",
                                      "seconds",
@@ -110,9 +111,9 @@ TEST(CliReport, of_simplify_has_all_figures) {
                     "surviving_triangles", "is_consistently_wound"}));
     ASSERT_EQ(report["lods"].size(), 1U);
     const json& lod = report["lods"][0];
-    EXPECT_EQ(keys_of(lod),
-              (Keys{"path", "target", "target_triangles", "triangles", "vertices", "bounds",
-                    "error_bound", "lost_cells", "lost", "fit", "topology", "is_nested", "bytes"}));
+    EXPECT_EQ(keys_of(lod), (Keys{"path", "target", "target_triangles", "triangles", "vertices",
+                                  "bounds", "error_bound", "lost_cells", "lost", "fit", "topology",
+                                  "measured", "is_nested", "bytes"}));
     EXPECT_EQ(lod["target"], (json{{"kind", "triangles"}, {"value", 500}}));
     EXPECT_LE(lod["triangles"], 500);
     EXPECT_GE(lod["triangles"], 495);

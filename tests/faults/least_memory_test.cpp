@@ -98,7 +98,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"full", Input::Coherent, {"--triangles", "60k", "--method", "full"}},
         Case{"full_soup", Input::Soup, {"--triangles", "60k", "--method", "full"}},
         Case{"levels_shuffled", Input::Shuffled, {"--lods", "100k,50k,1k"}},
-        Case{"error", Input::Coherent, {"--error", "0.1%"}},
+        Case{"displacement", Input::Coherent, {"--displacement", "0.1%"}},
         Case{"normal_variation", Input::Coherent, {"--triangles", "60k", "--priority", "normal"}}),
     name_of_case);
 

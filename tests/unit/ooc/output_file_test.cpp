@@ -16,7 +16,7 @@
 #include "hewer/text_file.h"
 #include "ooc/file.h"
 #include "ooc/pending_file.h"
-#include "tests/unit/temporary_folder.h"
+#include "tests/support/temp_dir.h"
 
 namespace hewer::ooc {
 
@@ -58,7 +58,7 @@ void write_and_die(const fs::path& path, Naming naming) {
 
 class PendingFiles : public testing::TestWithParam<Naming> {
   protected:
-    tests::TemporaryFolder folder_;
+    test::TempDir folder_;
     const fs::path path_ = folder_.path() / "out.ply";
 };
 
@@ -122,7 +122,7 @@ TEST_P(PendingFiles, OfAKilledProcessAreGoneWhenTheNextIsOpened) {
 }
 
 TEST(PendingFile, KeepsWhatLivingProcessesAndOthersWrite) {
-    const tests::TemporaryFolder folder;
+    const test::TempDir folder;
     const fs::path path = folder.path() / "out.ply";
     write_and_die(path, Naming::FromTheStart);
     write_and_die(folder.path() / "other.ply", Naming::FromTheStart);
@@ -138,7 +138,7 @@ TEST(PendingFile, KeepsWhatLivingProcessesAndOthersWrite) {
 }
 
 TEST(OutputGroup, NamesItsFilesTogether) {
-    const tests::TemporaryFolder folder;
+    const test::TempDir folder;
     const auto write_both = [&](OutputGroup& group, const std::string& text) {
         for (const char* name : {"a", "b"}) {
             OutputFile file(folder.path() / name, true);
@@ -164,7 +164,7 @@ TEST(OutputGroup, NamesItsFilesTogether) {
 }
 
 TEST(OutputFile, RefusesWhatIsNoOrdinaryFile) {
-    const tests::TemporaryFolder folder;
+    const test::TempDir folder;
     const fs::path pipe = folder.path() / "pipe";
     ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
     fs::create_symlink("/dev/full", folder.path() / "full");
@@ -178,7 +178,7 @@ TEST(OutputFile, RefusesWhatIsNoOrdinaryFile) {
 }
 
 TEST(TextFile, IsWholeAndReplacesOnlyWhenTold) {
-    const tests::TemporaryFolder folder;
+    const test::TempDir folder;
     const fs::path path = folder.path() / "report.json";
     write_text_file(path, "one");
     EXPECT_THROW(write_text_file(path, "two"), IoError);

@@ -19,7 +19,7 @@
 #include "ooc/parallel.h"
 #include "ooc/spool_cache.h"
 #include "tests/support/shapes.h"
-#include "tests/unit/temporary_folder.h"
+#include "tests/support/temp_dir.h"
 
 namespace hewer::ooc {
 
@@ -190,7 +190,7 @@ TEST(SpillSpace, StaysWithinItsLimitAndSaysSo) {
 }
 
 TEST(SpillSpace, LeavesNothingInItsFolder) {
-    const tests::TemporaryFolder folder;
+    const test::TempDir folder;
     ResourceLimits limits = tight(1 << 20, 64 << 10);
     limits.temp_dir = folder.path();
     {
@@ -205,12 +205,12 @@ TEST(SpillSpace, LeavesNothingInItsFolder) {
 }
 
 TEST(SpillSpace, RefusesAFolderThatCannotBeUsed) {
-    const tests::TemporaryFolder folder;
+    const test::TempDir folder;
     EXPECT_THROW(Context({.temp_dir = folder.path() / "missing"}), IoError);
 }
 
 TEST(SpillSpace, AFullDiskIsReported) {
-    const tests::TemporaryFolder folder;
+    const test::TempDir folder;
     if (::mount("tmpfs", folder.path().c_str(), "tmpfs", 0, "size=2m") != 0) {
         GTEST_SKIP() << "no small file system can be mounted here (needs root)";
     }

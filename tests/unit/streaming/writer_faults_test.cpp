@@ -10,16 +10,16 @@
 
 #include "hewer/error.h"
 #include "hewer/mesh_sink.h"
+#include "tests/support/temp_dir.h"
 #include "tests/unit/streaming/parsed_mesh.h"
 #include "tests/unit/streaming/sample_mesh.h"
-#include "tests/unit/temporary_folder.h"
 
 namespace hewer {
 namespace {
 
+using test::TempDir;
 using tests::header_of;
 using tests::pour;
-using tests::TemporaryFolder;
 using tests::wavy_sheet;
 
 /// The message of the E that `action` throws.
@@ -44,7 +44,7 @@ bool contains(const std::string& text, const std::string& part) {
 class WriterFaults : public testing::TestWithParam<const char*> {
   protected:
     WriterFaults() : path_(folder_.path() / (std::string("out") + GetParam())) {}
-    TemporaryFolder folder_;
+    TempDir folder_;
     std::filesystem::path path_;
 };
 
@@ -182,7 +182,7 @@ TEST_P(WriterFaults, FullDiskIsAnIoErrorAndLeavesTheOldFile) {
 }
 
 TEST(CreateMeshFile, UnsupportedExtensionListsTheSupportedOnes) {
-    const TemporaryFolder folder;
+    const TempDir folder;
     for (const char* name : {"a.txt", "a.ply.gz", "a", ".ply", "a."}) {
         const std::string text =
             message_of<InvalidArgument>([&] { create_mesh_file(folder.path() / name); });
@@ -192,7 +192,7 @@ TEST(CreateMeshFile, UnsupportedExtensionListsTheSupportedOnes) {
 }
 
 TEST(FormatLimits, AreToldInBeginAndLeaveNothing) {
-    const TemporaryFolder folder;
+    const TempDir folder;
     const auto refuse = [&](const char* name, const SinkHeader& header) {
         const auto sink = create_mesh_file(folder.path() / name);
         return message_of<InvalidArgument>([&] { sink->begin(header); });
@@ -221,7 +221,7 @@ TEST(FormatLimits, AreToldInBeginAndLeaveNothing) {
 }
 
 TEST(FormatLimits, GlbTakesWhatJustFits) {
-    const TemporaryFolder folder;
+    const TempDir folder;
     SinkHeader header;
     header.n_triangles = 1;
     // 2 * 16 + 12 + 2048 + 12 bytes besides the positions.

@@ -9,17 +9,17 @@
 #include "hewer/version.h"
 #include "streaming/glb_document.h"
 #include "streaming/mesh_writer.h"
+#include "tests/support/temp_dir.h"
 #include "tests/unit/streaming/parsed_mesh.h"
 #include "tests/unit/streaming/sample_mesh.h"
-#include "tests/unit/temporary_folder.h"
 
 namespace hewer {
 namespace {
 
+using test::TempDir;
 using tests::header_of;
 using tests::ParsedMesh;
 using tests::pour;
-using tests::TemporaryFolder;
 using tests::wavy_sheet;
 
 constexpr Vec3 kNear{0.25, -0.5, 1};
@@ -67,7 +67,7 @@ class Writers : public testing::Test {
         return std::find(parsed.header.begin(), parsed.header.end(), line) != parsed.header.end();
     }
 
-    TemporaryFolder folder_;
+    TempDir folder_;
 };
 
 TEST_F(Writers, PlyKeepsPositionsNormalsAndColors) {
@@ -332,7 +332,7 @@ TEST(RequireFormatFits, RefusesWhatBeginWouldRefuse) {
 }
 
 TEST(StlPoints, GiveTheSameFileAsVerticesAndTriangles) {
-    const tests::TemporaryFolder folder;
+    const test::TempDir folder;
     const Mesh mesh = tests::wavy_sheet(40, 3, {1, 2, 3});
     {
         const auto sink = create_mesh_file(folder.path() / "indexed.stl");
@@ -358,7 +358,7 @@ TEST(StlPoints, GiveTheSameFileAsVerticesAndTriangles) {
 }
 
 TEST(StlPoints, AreForStlOnly) {
-    const tests::TemporaryFolder folder;
+    const test::TempDir folder;
     const std::vector<std::array<Vec3, 3>> points(1);
     Mesh collected;
     std::vector<std::unique_ptr<MeshSink>> sinks;

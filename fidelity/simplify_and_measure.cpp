@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#include <array>
+#include <string>
+#include <string_view>
+
+#include "hewer/certify.h"
+#include "hewer/error.h"
+#include "hewer/measure.h"
+#include "hewer/simplify.h"
+
+namespace hewer {
+
+namespace {
+
+/// Now, not after hours of work.
+void require_readable(const std::filesystem::path& output) {
+    constexpr std::array<std::string_view, 2> kReadable{".ply", ".stl"};
+    for (const std::string_view extension : kReadable) {
+        if (output.extension() == extension) return;
+    }
+    throw InvalidArgument(output.string() +
+                          ": cannot be measured, because hewer does not read this format; write "
+                          ".ply or .stl, or measure that instead");
+}
+
+}  // namespace
+
+SimplifyReport simplify_and_measure(const std::filesystem::path& input,
+                                    const std::filesystem::path& output,
+                                    const SimplifyOptions& options, const Hooks& hooks,
+                                    bool overwrite) {
+    require_readable(output);
+    SimplifyReport report = simplify_file(input, output, options, hooks, overwrite);
+    MeasureOptions how;
+    how.memory_bytes = options.memory_bytes;
+    how.n_threads = options.n_threads;
+    how.temp_dir = options.temp_dir;
+    how.max_temp_bytes = options.max_temp_bytes;
+    for (LodReport& lod : report.lods) {
+        lod.measured = measure_files(input, lod.path, how, hooks);
+        report.seconds += lod.measured->seconds;
+    }
+    return report;
+}
+
+}  // namespace hewer

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <utility>
+
+#include "fidelity/budget_search.h"
+#include "fidelity/kept_mesh.h"
+#include "hewer/certify.h"
+#include "hewer/error.h"
+#include "hewer/measure.h"
+#include "hewer/simplify.h"
+#include "ooc/memory_budget.h"
+
+namespace hewer {
+
+namespace {
+
+using fidelity::BudgetSearch;
+using fidelity::KeptMesh;
+
+// The first try, as a share of the input's triangles.
+constexpr double kFirstShare = 0.05;
+constexpr std::uint64_t kLeastTriangles = 4;
+constexpr std::uint64_t kLeastFirst = 500;
+// Below the bound by this factor: a file's rounding of positions comes on top.
+constexpr double kSafety = 0.995;
+// Places that are farther than this part of the bound get more of the budget.
+constexpr double kFar = 0.7;
+constexpr unsigned kFeedbackRounds = 3;
+
+double larger(const MeasureReport& r) {
+    return std::max(r.forward.maximum, r.backward.maximum);
+}
+
+/// Progress of a run whose end nobody knows: each try takes a quarter of what is left.
+class SearchProgress {
+  public:
+    explicit SearchProgress(const Hooks& hooks) : hooks_(hooks) {}
+
+    void begin_try() {
+        if (n_tries_++ > 0) done_ += kPart * (1 - done_);
+    }
+    /// For the part of the try from `from` to `to`.
+    [[nodiscard]] Hooks hooks(double from, double to) const {
+        Hooks hooks = hooks_;
+        if (!hooks_.on_progress) return hooks;
+        hooks.on_progress = [=, this](const Progress& progress) {
+            Progress whole = progress;
+            whole.stage = "try " + std::to_string(n_tries_) + ": " + progress.stage;
+            whole.fraction = done_ + kPart * (1 - done_) * (from + (to - from) * progress.fraction);
+            whole.elapsed_seconds = elapsed();
+            whole.remaining_seconds = -1;
+            hooks_.on_progress(whole);
+        };
+        return hooks;
+    }
+    [[nodiscard]] double elapsed() const {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    }
+
+  private:
+    static constexpr double kPart = 0.25;
+    const Hooks& hooks_;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    unsigned n_tries_ = 0;
+    double done_ = 0;
+};
+
+struct Try {
+    std::uint64_t budget = 0;
+    KeptMesh mesh;
+    SimplifyReport report;
+};
+
+class Search {
+  public:
+    Search(const std::filesystem::path& input, const SimplifyOptions& options, const Hooks& hooks)
+        : source_(open_mesh(input, options.strict)),
+          options_(options),
+          target_(options.targets.front()),
+          limit_(options.memory_bytes != 0 ? options.memory_bytes : ooc::default_memory_limit()),
+          progress_(hooks),
+          search_(kLeastTriangles,
+                  std::max(kLeastFirst,
+                           static_cast<std::uint64_t>(
+                               kFirstShare * static_cast<double>(source_->info().n_faces))),
+                  source_->info().n_faces) {
+        if (target_.kind == Target::Kind::Error) set_bound(target_.value);
+    }
+
+    /// The best try, with the search in its report.
+    std::unique_ptr<Try> run() {
+        while (const auto budget = search_.next()) {
+            auto one = make(*budget);
+            const MeasureReport& measured = *one->report.lods.front().measured;
+            if (bound_ == 0) set_bound(target_.value * measured.bounds.diagonal());
+            search_.add(*budget, larger(measured));
+            steps_.push_back({one->report.lods.front().triangles, larger(measured)});
+            if (search_.best() == one->budget) best_ = std::move(one);
+        }
+        if (!best_) refuse();
+        best_->report.search = steps_;
+        best_->report.seconds = progress_.elapsed();
+        return std::move(best_);
+    }
+
+  private:
+    void set_bound(double bound) {
+        bound_ = kSafety * bound;
+        search_.set_bound(bound_);
+        options_.feedback_distance = kFar * bound_;
+        if (!options_.feedback_rounds && options_.method != Method::Uniform) {
+            options_.feedback_rounds = kFeedbackRounds;
+        }
+    }
+
+    std::unique_ptr<Try> make(std::uint64_t budget) {
+        progress_.begin_try();
+        auto one = std::make_unique<Try>();
+        one->budget = budget;
+        const std::uint64_t kept =
+            KeptMesh::kBytesPerTriangle * (budget + (best_ ? best_->budget : 0));
+        options_.memory_bytes = limit_ - std::min(limit_ - 1, kept);
+        options_.targets = {{Target::Kind::Triangles, static_cast<double>(budget)}};
+        one->report = simplify(
+            *source_, [&](std::size_t) { return one->mesh.sink(); }, options_,
+            progress_.hooks(0, 0.6));
+        MeasureOptions how;
+        how.memory_bytes = options_.memory_bytes;
+        how.n_threads = options_.n_threads;
+        how.temp_dir = options_.temp_dir;
+        how.max_temp_bytes = options_.max_temp_bytes;
+        one->report.lods.front().measured =
+            measure(*source_, *one->mesh.source("try"), how, progress_.hooks(0.6, 1));
+        return one;
+    }
+
+    [[noreturn]] void refuse() const {
+        const auto nearest =
+            std::min_element(steps_.begin(), steps_.end(),
+                             [](const auto& a, const auto& b) { return a.distance < b.distance; });
+        throw InvalidArgument(source_->info().name + ": no level of detail is within " +
+                              std::to_string(bound_ / kSafety) +
+                              " of it; the nearest of those tried has " +
+                              std::to_string(nearest->triangles) + " triangles and is " +
+                              std::to_string(nearest->distance) + " away; allow more");
+    }
+
+    std::unique_ptr<MeshSource> source_;
+    SimplifyOptions options_;
+    Target target_;
+    std::uint64_t limit_;
+    SearchProgress progress_;
+    BudgetSearch search_;
+    double bound_ = 0;
+    std::vector<SearchStep> steps_;
+    std::unique_ptr<Try> best_;
+};
+
+}  // namespace
+
+SimplifyReport simplify_to_distance(const std::filesystem::path& input,
+                                    const std::filesystem::path& output,
+                                    const SimplifyOptions& options, const Hooks& hooks,
+                                    bool overwrite) {
+    const bool is_error =
+        options.targets.size() == 1 && (options.targets[0].kind == Target::Kind::Error ||
+                                        options.targets[0].kind == Target::Kind::RelativeError);
+    if (!is_error) throw InvalidArgument("simplify_to_distance() takes one target, a distance");
+    // A bad place for the output costs nothing.
+    const std::unique_ptr<MeshSink> sink = create_mesh_file(output, overwrite);
+    const std::unique_ptr<Try> best = Search(input, options, hooks).run();
+    best->mesh.write(*sink);
+    SimplifyReport report = std::move(best->report);
+    LodReport& lod = report.lods.front();
+    lod.target = options.targets.front();
+    lod.path = output.string();
+    lod.bytes = sink->bytes_written();
+    report.bytes_written = lod.bytes;
+    return report;
+}
+
+}  // namespace hewer

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+/// Levels of detail with their distances from the input: measured, and not only bounded.
+#pragma once
+
+#include <filesystem>
+
+#include "hewer/options.h"
+#include "hewer/progress.h"
+#include "hewer/report.h"
+
+namespace hewer {
+
+/// simplify_file(), then measure_files() on each output: LodReport::measured. The outputs are read
+/// again, so they must be of a format that open_mesh() reads (.ply, .stl).
+/// Throws what both of them throw; the outputs are there if it was the measuring that failed.
+SimplifyReport simplify_and_measure(const std::filesystem::path& input,
+                                    const std::filesystem::path& output,
+                                    const SimplifyOptions& options, const Hooks& hooks = {},
+                                    bool overwrite = false);
+
+/// The smallest level of detail found whose measured distance from the input, the larger of both
+/// directions, at all vertices and at samples of both surfaces, is at most options.targets[0]: one
+/// target, of kind Error or RelativeError. Budgets are tried, each measured, until the smallest
+/// good one is within some 4 % of one that is not; within each run the places that are farther than
+/// the bound get more of the budget (feedback). SimplifyReport::search has the tries. The
+/// displacement that simplify() bounds for such targets is not what is searched for here.
+///
+/// Passes: some ten runs of simplify() and measure(). Memory: theirs, and 46 bytes for each
+/// triangle of the result and of the try at hand.
+/// Throws: what simplify() and measure() throw; InvalidArgument if no budget is good enough.
+SimplifyReport simplify_to_distance(const std::filesystem::path& input,
+                                    const std::filesystem::path& output,
+                                    const SimplifyOptions& options, const Hooks& hooks = {},
+                                    bool overwrite = false);
+
+}  // namespace hewer

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+/// Distances that are promised are those that somebody else measures.
+#include "hewer/certify.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+
+#include "hewer/error.h"
+#include "hewer/measure.h"
+#include "hewer/mesh_sink.h"
+#include "tests/support/shapes.h"
+#include "tests/support/temp_dir.h"
+
+namespace hewer {
+
+namespace {
+
+class Certify : public testing::Test {
+  protected:
+    [[nodiscard]] std::filesystem::path file(const char* name) const {
+        return folder_.path() / name;
+    }
+    std::filesystem::path write(const Mesh& mesh) const {
+        const auto path = file("in.ply");
+        const auto sink = create_mesh_file(path);
+        SinkHeader header;
+        header.n_vertices = mesh.positions.size();
+        header.n_triangles = mesh.triangles.size();
+        header.bounds = Bounds{{-2, -2, -2}, {2, 2, 2}};
+        sink->begin(header);
+        sink->add_vertices({mesh.positions, {}, {}});
+        sink->add_triangles(mesh.triangles);
+        sink->finish();
+        return path;
+    }
+    static SimplifyOptions within(double distance) {
+        SimplifyOptions options;
+        options.targets = {{Target::Kind::RelativeError, distance}};
+        options.n_threads = 2;
+        options.memory_bytes = 1ULL << 30;
+        return options;
+    }
+    static double measured(const std::filesystem::path& a, const std::filesystem::path& b) {
+        const MeasureReport r = measure_files(a, b);
+        return std::max(r.forward.maximum, r.backward.maximum);
+    }
+
+    test::TempDir folder_;
+};
+
+}  // namespace
+
+TEST_F(Certify, DistanceThatIsAskedForIsKeptAndTighterOnesTakeMore) {
+    const auto input = write(test::cube_sphere(30, 0.02, 3));
+    std::uint64_t coarser = 0;
+    for (const double distance : {0.03, 0.006}) {
+        const auto output = file("out.ply");
+        const SimplifyReport report =
+            simplify_to_distance(input, output, within(distance), {}, true);
+        const double bound = distance * measure_files(input, output).bounds.diagonal();
+        EXPECT_LE(measured(input, output), bound);
+        ASSERT_EQ(report.lods.size(), 1U);
+        const LodReport& lod = report.lods[0];
+        ASSERT_TRUE(lod.measured);
+        EXPECT_LE(lod.measured->forward.maximum, bound);
+        EXPECT_LE(lod.measured->backward.maximum, bound);
+        EXPECT_GT(lod.triangles, coarser);
+        coarser = lod.triangles;
+        // One of the tries with fewer triangles was too far: nothing was given away.
+        EXPECT_TRUE(std::any_of(report.search.begin(), report.search.end(), [&](const auto& t) {
+            return t.triangles < lod.triangles && t.distance > 0.99 * bound;
+        }));
+        EXPECT_EQ(open_mesh(output)->info().n_faces, lod.triangles);
+    }
+}
+
+TEST_F(Certify, ModelUnitsMeanTheSame) {
+    const auto input = write(test::torus(60, 30));
+    const auto output = file("out.ply");
+    SimplifyOptions options = within(0);
+    options.targets = {{Target::Kind::Error, 0.02}};
+    simplify_to_distance(input, output, options);
+    EXPECT_LE(measured(input, output), 0.02);
+}
+
+TEST_F(Certify, SameBytesForAnyNumberOfThreads) {
+    const auto input = write(test::cube_sphere(16, 0.02, 5));
+    SimplifyOptions options = within(0.01);
+    std::string hash;
+    for (const unsigned n_threads : {1U, 8U}) {
+        options.n_threads = n_threads;
+        const SimplifyReport report =
+            simplify_to_distance(input, file("out.ply"), options, {}, true);
+        if (hash.empty()) hash = report.result_hash;
+        EXPECT_EQ(report.result_hash, hash);
+    }
+}
+
+TEST_F(Certify, LevelsComeWithWhatMeasureSaysOfThem) {
+    const auto input = write(test::cube_sphere(20, 0.02));
+    SimplifyOptions options = within(0);
+    options.targets = {{Target::Kind::Triangles, 2000}, {Target::Kind::Triangles, 300}};
+    const SimplifyReport report = simplify_and_measure(input, file("out.ply"), options);
+    ASSERT_EQ(report.lods.size(), 2U);
+    for (const LodReport& lod : report.lods) {
+        ASSERT_TRUE(lod.measured);
+        const MeasureReport again = measure_files(input, lod.path);
+        EXPECT_EQ(lod.measured->forward.rms, again.forward.rms);
+        EXPECT_EQ(lod.measured->backward.maximum, again.backward.maximum);
+    }
+}
+
+TEST_F(Certify, RefusesBeforeAnyWork) {
+    const auto input = write(test::cube_sphere(10));
+    SimplifyOptions options = within(0.01);
+    options.targets.push_back(options.targets[0]);
+    EXPECT_THROW(simplify_to_distance(input, file("out.ply"), options), InvalidArgument);
+    options.targets = {{Target::Kind::Triangles, 100}};
+    EXPECT_THROW(simplify_to_distance(input, file("out.ply"), options), InvalidArgument);
+    EXPECT_THROW(simplify_and_measure(input, file("out.obj"), options), InvalidArgument);
+    EXPECT_THROW(simplify_to_distance(input, file("absent") / "out.ply", within(0.01)), IoError);
+    EXPECT_FALSE(std::filesystem::exists(file("out.ply")));
+    EXPECT_FALSE(std::filesystem::exists(file("out.obj")));
+}
+
+}  // namespace hewer
