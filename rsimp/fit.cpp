@@ -16,7 +16,7 @@ namespace hewer::rsimp {
 namespace {
 
 // Samples farther from the mesh than this do not pull; in mean distances between vertices.
-constexpr double kMostDistance = 0.5;
+constexpr double kMostDistance = 0.1;
 // How far around a region samples are looked at: a triangle's length.
 constexpr double kSampleReach = 2;
 constexpr std::uint64_t kPiece = 1 << 12;

@@ -64,6 +64,14 @@ class CellMeans {
     ooc::SpoolCache<CellRecord> records_;
 };
 
+// Parts of a triangle along an edge, at most.
+constexpr double kMostParts = 16;
+
+/// Samples of the parts of large triangles, beyond one for each triangle of a block.
+std::size_t most_more_samples(std::size_t n_faces) {
+    return 2 * n_faces + 4096;
+}
+
 void sort_by_median(std::vector<CellTriple>& faces) {
     std::sort(faces.begin(), faces.end(), [](const CellTriple& a, const CellTriple& b) {
         const std::uint32_t middle_a = cluster::median_corner(a);
@@ -72,16 +80,52 @@ void sort_by_median(std::vector<CellTriple>& faces) {
     });
 }
 
-std::vector<FitSample> samples_of(const CellBlocks& cells, std::size_t block, bool of_triangles) {
+/// A triangle, its area, and the samples that stand for it.
+class SampledTriangle {
+  public:
+    SampledTriangle(const Vec3& a, const Vec3& b, const Vec3& c) : a_(a), ab_(b - a), ac_(c - a) {
+        const Vec3 n = cross(ab_, ac_);
+        const double length = std::sqrt(dot(n, n));
+        area_ = 0.5 * length;
+        if (length > 0) normal_ = (1 / length) * n;
+    }
+    [[nodiscard]] double area() const { return area_; }
+
+    /// The centres of n * n parts of one size.
+    void append(std::size_t n, std::vector<FitSample>& samples) const {
+        const double step = 1.0 / static_cast<double>(n);
+        const double area = area_ * step * step;
+        const auto add = [&](double u, double v) {
+            samples.emplace_back(a_ + (u * step) * ab_ + (v * step) * ac_, normal_, area);
+        };
+        for (std::size_t i = 0; i < n; ++i) {
+            for (std::size_t j = 0; i + j < n; ++j) {
+                const auto u = static_cast<double>(i);
+                const auto v = static_cast<double>(j);
+                add(u + 1.0 / 3, v + 1.0 / 3);
+                if (i + j + 1 < n) add(u + 2.0 / 3, v + 2.0 / 3);
+            }
+        }
+    }
+
+  private:
+    Vec3 a_;
+    Vec3 ab_;
+    Vec3 ac_;
+    Vec3 normal_{};
+    double area_ = 0;
+};
+
+std::vector<FitSample> samples_of(const CellBlocks& cells, std::size_t block,
+                                  const SampleChoice& choice) {
     const std::uint64_t first = cells.blocks[block].first_face;
     std::vector<CellTriple> faces(cells.blocks[block + 1].first_face - first);
     cells.faces.read(first, faces);
-    // The order of the faces is the threads'; ids are in Morton order. Normals add up exactly.
-    if (of_triangles) sort_by_median(faces);
     CellMeans means(cells, block);
     const double scale = cluster::FixedPoint(cells.grid.resolution()).scale;
     std::vector<std::array<std::int64_t, 3>> normals(means.size());
-    std::vector<FitSample> centers;
+    // The order of the faces is the threads'; ids are in Morton order. Normals add up exactly.
+    std::vector<CellTriple> sampled;
     for (CellTriple face : faces) {
         // From the lowest corner on, so that it does not matter which one comes first.
         std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
@@ -97,12 +141,20 @@ std::vector<FitSample> samples_of(const CellBlocks& cells, std::size_t block, bo
                 normals[cell - means.first()][k] += cluster::round_to_int(scale * n[k]);
             }
         }
-        if (!of_triangles) continue;
-        centers.emplace_back((1.0 / 3) * (a + b + c), (1 / length) * n, 0.5 * length);
+        if (choice.of_all_triangles || 0.5 * length > choice.largest_area) sampled.push_back(face);
     }
-    if (of_triangles) return centers;
+    sort_by_median(sampled);
     std::vector<FitSample> samples;
-    samples.reserve(means.size());
+    std::size_t n_more = most_more_samples(faces.size());
+    for (const CellTriple& face : sampled) {
+        const SampledTriangle triangle(means.at(face[0]), means.at(face[1]), means.at(face[2]));
+        const auto wanted = static_cast<std::size_t>(
+            std::ceil(std::min(kMostParts, std::sqrt(triangle.area() / choice.largest_area))));
+        const std::size_t n = wanted * wanted <= n_more ? std::max<std::size_t>(1, wanted) : 1;
+        n_more -= n * n - 1;
+        triangle.append(n, samples);
+    }
+    if (choice.of_all_triangles) return samples;
     for (std::uint64_t i = 0; i < means.size(); ++i) {
         Vec3 normal;
         for (std::size_t k = 0; k < 3; ++k) normal[k] = static_cast<double>(normals[i][k]);
@@ -150,19 +202,20 @@ Vec3 FitSample::normal() const {
 }
 
 ooc::Spool<FitSample> collect_samples(ooc::Context& context, const CellBlocks& cells,
-                                      bool of_triangles) {
+                                      const SampleChoice& choice) {
     ooc::Spool<FitSample> samples(context, "samples of the surface");
     const LargestBlock largest(cells);
     const BlocksInFlight in_flight(
         context, "samples of a block",
         largest.n_cells * (sizeof(CellRecord) + sizeof(std::uint64_t) + 2 * sizeof(Vec3) +
                            sizeof(float) + sizeof(FitSample)) +
-            largest.n_faces * (sizeof(CellTriple) + (of_triangles ? sizeof(FitSample) : 0)) +
+            largest.n_faces * (2 * sizeof(CellTriple) + sizeof(FitSample)) +
+            most_more_samples(largest.n_faces) * sizeof(FitSample) +
             2 * ooc::SpoolCache<CellRecord>::kBytes);
     in_flight.sweep<std::vector<FitSample>>(
         cells.n_blocks(),
         [&](std::uint64_t b, std::vector<FitSample>& piece) {
-            piece = samples_of(cells, b, of_triangles);
+            piece = samples_of(cells, b, choice);
         },
         [&](std::uint64_t, const std::vector<FitSample>& piece) { samples.append(piece); });
     return samples;

@@ -37,12 +37,22 @@ struct FitSample {
 };
 static_assert(sizeof(FitSample) == 16);
 
-/// One for each cell that a triangle has a corner in: parts smaller than that would pull at what is
-/// near, and have no front. By block of cells, in Morton order. Where cells are few, `with_centers`
-/// adds one for each triangle; where cells hold many vertices, these would lie too low in every
-/// bend. One pass over cells and triangles. Memory: a block of cells and its triangles for each
-/// thread.
+/// Which places of the surface the fit looks at.
+struct SampleChoice {
+    /// The triangles between cells instead of the cells: where cells are few. Where they hold many
+    /// vertices, centres of triangles would lie too low in every bend.
+    bool of_all_triangles = false;
+    /// Triangles larger than this, in cell areas, are cut into parts with a sample for each, up to
+    /// 256 of them: between the corners of a triangle that is larger than those of the LOD nothing
+    /// else says where the surface is.
+    double largest_area = 0;
+};
+
+/// One for each cell that a triangle has a corner in (parts smaller than that would pull at what is
+/// near, and have no front), or for each triangle, and more for large triangles. By block of cells,
+/// in Morton order. One pass over cells and triangles. Memory: a block of cells and its triangles
+/// for each thread.
 ooc::Spool<FitSample> collect_samples(ooc::Context& context, const cluster::CellBlocks& cells,
-                                      bool of_triangles);
+                                      const SampleChoice& choice);
 
 }  // namespace hewer::rsimp

@@ -26,7 +26,7 @@ inline constexpr double kUniformCellsPerVertex = 3;
 /// two instead of three the error is some 2 % larger and the time a seventh less, which is what
 /// Method::Refine is for.
 constexpr double clusters_per_vertex(Method method) {
-    return method == Method::Refine ? 2 : 3;
+    return method == Method::Refine ? 2.5 : 3;
 }
 /// With fewer cells than this times the clusters wanted, the collapse begins with the cells
 /// themselves.

@@ -24,6 +24,8 @@ namespace {
 
 // Triangles that the collapse must at least begin with, for each that is asked for.
 constexpr double kEnoughTriangles = 1.25;
+// Of the area for each vertex: triangles that are larger are sampled more than once by the fit.
+constexpr double kLargestTriangle = 0.25;
 // Share of the budget that the uniform method aims at and is content with, and the factor on its
 // clusters when it falls short.
 constexpr double kUniformAim = 0.985;
@@ -139,6 +141,14 @@ Attempt fuse_to_budget(ooc::Context& context, const CellBlocks& cells,
     }
 }
 
+SampleChoice samples_for(const CellBlocks& cells, const SimplifyOptions& options,
+                         const SimplifyReport& report) {
+    const double vertices = budget(options, report) / 2;
+    const double cell = cells.grid.cell_size(cells.lattice);
+    return {static_cast<double>(cells.n_cells()) < kFewCellsPerVertex * vertices,
+            kLargestTriangle * report.input.area / (cell * cell) / vertices};
+}
+
 /// No cluster reaches farther than half of the error bound; if some vanish nevertheless, every cell
 /// becomes a cluster, and the collapse alone decides what goes.
 Attempt refine_to_error(ooc::Context& context, const CellBlocks& cells, double error,
@@ -182,9 +192,8 @@ StartMesh make_start_mesh(ooc::Context& context, MeshSource& source, const Simpl
             (is_uniform ? kUniformLeast : kEnoughTriangles) * budget(options, report);
         if (is_finest || attempt.n_triangles >= enough) {
             if (fit_rounds(options) > 0) {
-                const bool is_sparse = static_cast<double>(cells.n_cells()) <
-                                       kFewCellsPerVertex * budget(options, report) / 2;
-                attempt.start.samples = collect_samples(context, cells, is_sparse);
+                attempt.start.samples =
+                    collect_samples(context, cells, samples_for(cells, options, report));
             }
             return std::move(attempt.start);
         }
