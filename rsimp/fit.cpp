@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "rsimp/fit.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -15,8 +16,14 @@ namespace hewer::rsimp {
 
 namespace {
 
-// Samples farther from the mesh than this do not pull; in mean distances between vertices.
-constexpr double kMostDistance = 0.1;
+// Samples farther from the mesh than this do not pull: what has vanished must not drag the surface
+// along. In mean distances between vertices, where much has vanished; else so many RMS of the
+// nearest kCommonShare of the surface, as the first round finds them, up to kMostDistance.
+constexpr double kLeastPull = 0.1;
+constexpr double kMuchLost = 0.02;  // of the samples' cells
+constexpr double kFar = 6;
+constexpr double kCommonShare = 0.5;
+constexpr double kMostDistance = 0.5;
 // How far around a region samples are looked at: a triangle's length.
 constexpr double kSampleReach = 2;
 constexpr std::uint64_t kPiece = 1 << 12;
@@ -24,12 +31,17 @@ constexpr std::uint64_t kPiece = 1 << 12;
 class Fit {
   public:
     Fit(ooc::Context& context, const MeshStore& mesh, const ooc::Spool<FitSample>& samples,
-        std::span<const cluster::OctreeBox> boxes, std::span<const std::uint64_t> first_cluster)
+        std::span<const cluster::OctreeBox> boxes, std::span<const std::uint64_t> first_cluster,
+        std::uint64_t lost_cells)
         : context_(context),
           mesh_(mesh),
           regions_(context, mesh, boxes, first_cluster),
           samples_(context, samples, mesh.origin, mesh.vertices.size()),
-          positions_(positions_of(context, mesh)) {}
+          positions_(positions_of(context, mesh)),
+          pull_(samples_.spacing() *
+                (static_cast<double>(lost_cells) > kMuchLost * static_cast<double>(samples.size())
+                     ? kLeastPull
+                     : kMostDistance)) {}
 
     void round() {
         const ooc::Spool<Vec3> moves = propose();
@@ -45,22 +57,32 @@ class Fit {
 
     ooc::Spool<Vec3> propose() {
         const double reach = kSampleReach * samples_.spacing();
-        const double most = kMostDistance * samples_.spacing();
+        const double most = pull_;
+        DistanceHistogram distances;
         ooc::Spool<Vec3> moves(context_, "moves of vertices");
         const double face_reach = reach + 2 * most;
         const BlocksInFlight in_flight(context_, kWhat, regions_.region_bytes(face_reach));
-        in_flight.sweep<std::vector<Vec3>>(
+        struct Result {
+            std::vector<Vec3> moves;
+            DistanceHistogram distances;
+        };
+        in_flight.sweep<Result>(
             regions_.size(),
-            [&](std::uint64_t r, std::vector<Vec3>& own) {
+            [&](std::uint64_t r, Result& own) {
                 std::vector<std::uint64_t> vertices;
                 const MeshPiece piece = regions_.load(r, face_reach, positions_, vertices);
                 FitMoves sums(piece, most);
                 samples_.for_each(
                     regions_.box(r), reach, piece.centre,
                     [&](std::span<const WeightedPoint> points) { sums.pull(points); });
-                own = sums.moves();
+                own = {sums.moves(), sums.distances()};
             },
-            [&](std::uint64_t, const std::vector<Vec3>& own) { moves.append(own); });
+            [&](std::uint64_t, const Result& own) {
+                moves.append(own.moves);
+                distances.add(own.distances);
+            });
+        const double common = kFar * std::sqrt(distances.mean_square(kCommonShare));
+        pull_ = std::clamp(common, std::min(pull_, kLeastPull * samples_.spacing()), pull_);
         return moves;
     }
 
@@ -109,6 +131,7 @@ class Fit {
     MeshRegions regions_;
     SampleRuns samples_;
     ooc::Spool<Vec3> positions_;
+    double pull_;  // up to this distance
     double last_move_ = 0;
     std::uint64_t held_ = 0;
 };
@@ -118,9 +141,9 @@ class Fit {
 ooc::Spool<StoredVertex> fit(ooc::Context& context, const MeshStore& mesh,
                              const ooc::Spool<FitSample>& samples,
                              std::span<const cluster::OctreeBox> boxes,
-                             std::span<const std::uint64_t> first_cluster, unsigned rounds,
-                             FitReport& report) {
-    Fit fit(context, mesh, samples, boxes, first_cluster);
+                             std::span<const std::uint64_t> first_cluster, std::uint64_t lost_cells,
+                             unsigned rounds, FitReport& report) {
+    Fit fit(context, mesh, samples, boxes, first_cluster, lost_cells);
     report.rounds = rounds;
     for (unsigned i = 0; i < rounds; ++i) {
         fit.round();

@@ -18,14 +18,15 @@ namespace hewer::rsimp {
 /// borders stay, parts of the original that the mesh has lost do not pull. The result does not
 /// depend on threads or memory.
 ///
-/// `boxes`, and the first cluster of each and the end, are those that the mesh was made in. The
+/// `boxes`, and the first cluster of each and the end, are those that the mesh was made in;
+/// `lost_cells` are those of which the mesh has lost the surface. The
 /// lengths in `report` are in cells. Per round: two passes over the faces, one over the
 /// samples, each read in regions with what lies around them. Memory: MeshRegions, SampleRuns, a
 /// region for each thread; positions and moves, 48 bytes a vertex, on spools.
 ooc::Spool<StoredVertex> fit(ooc::Context& context, const MeshStore& mesh,
                              const ooc::Spool<FitSample>& samples,
                              std::span<const cluster::OctreeBox> boxes,
-                             std::span<const std::uint64_t> first_cluster, unsigned rounds,
-                             FitReport& report);
+                             std::span<const std::uint64_t> first_cluster, std::uint64_t lost_cells,
+                             unsigned rounds, FitReport& report);
 
 }  // namespace hewer::rsimp

@@ -169,6 +169,7 @@ void FitMoves::pull(std::span<const WeightedPoint> points) {
         const WeightedPoint& point = points[i];
         const LocalFace& face = piece_.faces[hits_[i].face];
         if (face[0] >= n_own && face[1] >= n_own && face[2] >= n_own) continue;
+        distances_.add(hits_[i].squared_distance, point.weight);
         const Vec3 p{point.position[0], point.position[1], point.position[2]};
         const Vec3& a = piece_.positions[face[0]];
         const Vec3& b = piece_.positions[face[1]];

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ooc/vec3.h"
+#include "rsimp/distance_histogram.h"
 #include "rsimp/face_tree.h"
 #include "rsimp/mesh_piece.h"
 #include "rsimp/sample_runs.h"
@@ -29,6 +30,8 @@ class FitMoves {
     void pull(std::span<const WeightedPoint> points);
 
     [[nodiscard]] std::vector<Vec3> moves() const;
+    /// Of the points whose nearest face is near enough and has an own corner.
+    [[nodiscard]] const DistanceHistogram& distances() const { return distances_; }
 
   private:
     struct Pull {
@@ -43,6 +46,7 @@ class FitMoves {
     std::vector<Point3f> places_;      // of the points at hand
     std::vector<FaceTree::Hit> hits_;  // of them
     std::vector<Pull> pulls_;          // by own vertex
+    DistanceHistogram distances_;
 };
 
 /// Which of the own vertices must stay: those at a border, and those with a face that would turn by
