@@ -71,6 +71,7 @@ Value parse_any(const OptionSpec& option, const std::string& text) {
         case ValueType::Flag:
             return true;
         case ValueType::Path:
+        case ValueType::Paths:
             return parse_path(option, text);
         case ValueType::Choice:
             if (!is_one_of(option.choices, text)) {
@@ -133,8 +134,14 @@ Arguments::Arguments(Command command) : command_(command) {
     }
 }
 
-void Arguments::set(const OptionSpec& option, const std::string& text) {
-    entries_[option.key] = {parse_value(option, text), true};
+void Arguments::set(const OptionSpec& option, const std::vector<std::string>& texts) {
+    if (option.type == ValueType::Paths) {
+        for (const std::string& text : texts) parse_value(option, text);
+        entries_[option.key] = {texts, true};
+        return;
+    }
+    entries_[option.key] = {parse_value(option, texts.empty() ? std::string() : texts.front()),
+                            true};
 }
 
 bool Arguments::is_given(std::string_view key) const {
@@ -153,6 +160,11 @@ bool Arguments::flag(std::string_view key) const {
 
 std::filesystem::path Arguments::path(std::string_view key) const {
     return get<std::string>(key);
+}
+
+std::vector<std::filesystem::path> Arguments::paths(std::string_view key) const {
+    const auto texts = get<std::vector<std::string>>(key);
+    return {texts.begin(), texts.end()};
 }
 
 }  // namespace hewer::app

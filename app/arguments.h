@@ -16,8 +16,9 @@
 
 namespace hewer::app {
 
-using Value = std::variant<bool, std::uint64_t, double, std::string, Target, std::vector<Target>,
-                           Bounds, std::array<std::uint64_t, 2>, std::array<double, 2>>;
+using Value =
+    std::variant<bool, std::uint64_t, double, std::string, std::vector<std::string>, Target,
+                 std::vector<Target>, Bounds, std::array<std::uint64_t, 2>, std::array<double, 2>>;
 
 /// Reads `text` as the option says and checks its range and choices.
 /// Throws InvalidArgument: "--triangles: '0' is below 1".
@@ -30,7 +31,8 @@ class Arguments {
 
     [[nodiscard]] Command command() const { return command_; }
 
-    void set(const OptionSpec& option, const std::string& text);
+    /// `texts` are several only for an option of type Paths.
+    void set(const OptionSpec& option, const std::vector<std::string>& texts);
 
     /// The user wrote it.
     [[nodiscard]] bool is_given(std::string_view key) const;
@@ -39,6 +41,7 @@ class Arguments {
 
     [[nodiscard]] bool flag(std::string_view key) const;
     [[nodiscard]] std::filesystem::path path(std::string_view key) const;
+    [[nodiscard]] std::vector<std::filesystem::path> paths(std::string_view key) const;
     /// `otherwise` if find() is null.
     template <typename T>
     [[nodiscard]] T get(std::string_view key, T otherwise = {}) const {

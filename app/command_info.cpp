@@ -80,9 +80,10 @@ void run_info(const Arguments& arguments, const std::stop_token& stop) {
     InfoOptions options;
     options.with_topology = arguments.flag("topology");
     take_resources(arguments, options);
+    options.input_format = arguments.get<std::string>("input_format");
     options.temp_dir = arguments.path("temp_dir");
     options.max_temp_bytes = arguments.get<std::uint64_t>("max_temp");
-    const InputReport report = info(arguments.path("input"), options, printer.hooks(stop));
+    const InputReport report = info(arguments.paths("input"), options, printer.hooks(stop));
     printer.finish();
     if (arguments.flag("json")) {
         std::cout << to_json(report);

@@ -74,6 +74,8 @@ struct Slot {
     CLI::Option* option = nullptr;
 };
 
+constexpr int kMostPaths = 1 << 20;
+
 // The values of `command`, whose arguments are args.
 std::variant<Arguments, HelpText> parse_command(const CommandSpec& command,
                                                 std::vector<std::string> args) {
@@ -86,9 +88,13 @@ std::variant<Arguments, HelpText> parse_command(const CommandSpec& command,
     for (Slot& slot : slots) {
         const OptionSpec& o = *slot.spec;
         const std::string name(o.is_operand() ? o.key : o.flags);
-        slot.option = o.type == ValueType::Flag
-                          ? app.add_flag(name)
-                          : app.add_option(name, slot.texts)->expected(1)->allow_extra_args(false);
+        if (o.type == ValueType::Flag) {
+            slot.option = app.add_flag(name);
+        } else if (o.type == ValueType::Paths) {
+            slot.option = app.add_option(name, slot.texts)->expected(1, kMostPaths);
+        } else {
+            slot.option = app.add_option(name, slot.texts)->expected(1)->allow_extra_args(false);
+        }
     }
     try {
         std::reverse(args.begin(), args.end());  // CLI11 takes them from the back
@@ -98,8 +104,9 @@ std::variant<Arguments, HelpText> parse_command(const CommandSpec& command,
     } catch (const CLI::ExtrasError&) {
         throw InvalidArgument(describe_extras(command.command, app.remaining()));
     } catch (const CLI::ArgumentMismatch& e) {
-        const auto twice = std::find_if(slots.begin(), slots.end(),
-                                        [](const Slot& s) { return s.option->count() > 1; });
+        const auto twice = std::find_if(slots.begin(), slots.end(), [](const Slot& s) {
+            return s.option->count() > 1 && s.spec->type != ValueType::Paths;
+        });
         if (twice != slots.end()) {
             throw InvalidArgument(std::string(long_name(*twice->spec)) +
                                   " is given more than once");
@@ -111,7 +118,7 @@ std::variant<Arguments, HelpText> parse_command(const CommandSpec& command,
     for (const Slot& slot : slots) {
         const OptionSpec& o = *slot.spec;
         if (slot.option->count() != 0) {
-            arguments.set(o, slot.texts.empty() ? std::string() : slot.texts.front());
+            arguments.set(o, slot.texts);
         } else if (o.is_required) {
             throw InvalidArgument(std::string(o.flags) + " is missing");
         }

@@ -95,6 +95,7 @@ void run_measure(const Arguments& arguments, const std::stop_token& stop) {
     options.map_of =
         arguments.get<std::string>("map_of") == "original" ? MapOf::Original : MapOf::Simplified;
     if (arguments.is_given("map_range")) options.map_range = arguments.get<double>("map_range");
+    options.input_format = arguments.get<std::string>("input_format");
     options.temp_dir = arguments.path("temp_dir");
     options.max_temp_bytes = arguments.get<std::uint64_t>("max_temp");
     options.seed = arguments.get<std::uint64_t>("seed");

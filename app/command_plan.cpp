@@ -39,7 +39,7 @@ void print_plan(const PlanReport& r) {
 
 void run_plan(const Arguments& arguments) {
     const SimplifyOptions options = make_simplify_options(arguments);
-    const PlanReport report = plan(arguments.path("input"), options);
+    const PlanReport report = plan(arguments.paths("input"), options);
     if (arguments.flag("json")) {
         std::cout << to_json(report, arguments);
     } else {

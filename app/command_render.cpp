@@ -28,6 +28,9 @@ void run_render(const Arguments& arguments, const std::stop_token& stop) {
     options.y_up = arguments.flag("y_up");
     options.overwrite = arguments.flag("force");
     take_resources(arguments, options);
+    options.input_format = arguments.get<std::string>("input_format");
+    options.temp_dir = arguments.path("temp_dir");
+    options.max_temp_bytes = arguments.get<std::uint64_t>("max_temp");
     std::vector<std::filesystem::path> inputs{input};
     for (const char* key : {"after", "map"}) {
         if (arguments.is_given(key)) inputs.push_back(arguments.path(key));
@@ -39,7 +42,7 @@ void run_render(const Arguments& arguments, const std::stop_token& stop) {
     std::vector<std::unique_ptr<MeshSource>> sources;
     std::vector<MeshSource*> meshes;
     for (const std::filesystem::path& path : inputs) {
-        sources.push_back(open_mesh(path));
+        sources.push_back(open_mesh(path, opening(options)));
         meshes.push_back(sources.back().get());
     }
     render(meshes, output, options, printer.hooks(stop));

@@ -85,7 +85,7 @@ void print_summary(const SimplifyReport& r, bool is_reported) {
 void run_simplify(const Arguments& arguments, const std::stop_token& stop) {
     const SimplifyOptions options = make_simplify_options(arguments);
     const std::size_t n_lods = std::max<std::size_t>(1, options.targets.size());
-    check_outputs({arguments.path("input")}, plan_outputs(arguments, n_lods),
+    check_outputs(list_files(arguments.paths("input")), plan_outputs(arguments, n_lods),
                   arguments.flag("force"));
 
     ProgressPrinter printer(
@@ -93,7 +93,7 @@ void run_simplify(const Arguments& arguments, const std::stop_token& stop) {
     const auto run = arguments.is_given("error") ? simplify_to_distance
                      : arguments.flag("certify") ? simplify_and_measure
                                                  : simplify_file;
-    const SimplifyReport report = run(arguments.path("input"), arguments.path("output"), options,
+    const SimplifyReport report = run(arguments.paths("input"), arguments.path("output"), options,
                                       printer.hooks(stop), arguments.flag("force"));
     printer.finish();
     if (!arguments.flag("quiet")) print_summary(report, arguments.is_given("report"));

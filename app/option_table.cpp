@@ -36,6 +36,7 @@ constexpr double kMostPixels = 32768;
 constexpr double kSmallest = std::numeric_limits<double>::denorm_min();
 
 constexpr std::string_view kMeshes = ".ply|.obj|.stl|.glb";
+constexpr std::string_view kFormats = "ply|stl|obj|off|gltf|glb|drc";
 constexpr std::string_view kFiles = "Files";
 constexpr std::string_view kTarget = "Target (exactly one)";
 constexpr std::string_view kMethod = "Method";
@@ -49,8 +50,13 @@ using T = ValueType;
 // clang-format off
 constexpr std::array kOptions{
 // key, flags, metavar, type, commands, unit, default, least, most, choices, group, required, help
-OptionSpec{"input", "INPUT", "", T::Path, kSimplify | kInfo | kPlan | kRender, "", "", 0, 0, "", kFiles, true,
-    "Mesh to read: PLY (binary or ASCII) or binary STL, told by its content."},
+OptionSpec{"input", "INPUT", "", T::Paths, kSimplify | kInfo | kPlan, "", "", 0, 0, "", kFiles, true,
+    "Mesh to read, its format told by its content; - for standard input. Several files, a folder or a "
+    "pattern ('tile_*.ply') are one model."},
+OptionSpec{"input", "INPUT", "", T::Path, kRender, "", "", 0, 0, "", kFiles, true,
+    "Mesh to draw."},
+OptionSpec{"input_format", "--format", "NAME", T::Choice, kReaders, "", "=by the content", 0, 0, kFormats, kFiles, false,
+    "Format of the input, where its content does not tell."},
 OptionSpec{"after", "AFTER", "", T::Path, kRender, "", "", 0, 0, "", kFiles, false,
     "Second mesh, drawn to the right of the first with the same camera."},
 OptionSpec{"map", "--map", "MAP", T::Path, kRender, "", "", 0, 0, "", kFiles, false,
@@ -151,9 +157,9 @@ OptionSpec{"memory", "--memory", "SIZE", T::Bytes, kReaders, "bytes", "=the cont
     "All that the process may hold; K, M, G are powers of 1024. Does not change the result."},
 OptionSpec{"threads", "--threads", "N", T::Count, kReaders | kGenerate, "", "=all of the machine", 1, kMostThreads, "", kResources, false,
     "Threads that work at once. Does not change the result."},
-OptionSpec{"temp_dir", "--temp-dir", "DIR", T::Path, kTargets | kMeasure | kInfo, "", "=TMPDIR, else /tmp", 0, 0, "", kResources, false,
+OptionSpec{"temp_dir", "--temp-dir", "DIR", T::Path, kReaders, "", "=TMPDIR, else /tmp", 0, 0, "", kResources, false,
     "Folder for temporary files, which are made when memory runs short."},
-OptionSpec{"max_temp", "--max-temp", "SIZE", T::Bytes, kTargets | kMeasure | kInfo, "bytes", "=no limit", 1, 0x1p62, "", kResources, false,
+OptionSpec{"max_temp", "--max-temp", "SIZE", T::Bytes, kReaders, "bytes", "=no limit", 1, 0x1p62, "", kResources, false,
     "Most disk space that temporary files may take."},
 
 OptionSpec{"report", "--report", "FILE", T::Path, kSimplify | kMeasure, "", "", 0, 0, "", kOutput, false,
@@ -176,13 +182,13 @@ OptionSpec{"markdown", "--markdown", "", T::Flag, kHelp, "", "", 0, 0, "", kOutp
 };
 
 constexpr std::array kCommands{
-CommandSpec{Command::Simplify, "simplify", "INPUT -o OUTPUT TARGET [options]",
+CommandSpec{Command::Simplify, "simplify", "INPUT... -o OUTPUT TARGET [options]",
     "Simplify a mesh of any size to one or several levels of detail."},
 CommandSpec{Command::Measure, "measure", "ORIGINAL SIMPLIFIED [options]",
     "Two-sided distance between two surfaces."},
-CommandSpec{Command::Info, "info", "INPUT [options]",
+CommandSpec{Command::Info, "info", "INPUT... [options]",
     "Counts, bounds, attributes and defects of a mesh."},
-CommandSpec{Command::Plan, "plan", "INPUT TARGET [options]",
+CommandSpec{Command::Plan, "plan", "INPUT... TARGET [options]",
     "Memory, disk and time that simplify would need, before any work."},
 CommandSpec{Command::Generate, "generate", "OUTPUT [options]",
     "Write a scan-like test surface of any size."},

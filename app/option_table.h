@@ -15,6 +15,7 @@ enum class Command : unsigned { Simplify, Measure, Info, Plan, Generate, Render,
 enum class ValueType {
     Flag,    ///< no value
     Path,    ///< a file or folder name
+    Paths,   ///< one or more of them; an operand
     Choice,  ///< one of OptionSpec::choices
     Count,
     CountOrOff,  ///< "off" is 0

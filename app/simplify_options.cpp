@@ -94,6 +94,7 @@ SimplifyOptions make_simplify_options(const Arguments& arguments) {
             options.drop_parts = arguments.get<Target>("drop_parts");
         }
     }
+    options.input_format = arguments.get<std::string>("input_format");
     options.strict = arguments.flag("strict");
     take_resources(arguments, options);
     options.temp_dir = arguments.path("temp_dir");

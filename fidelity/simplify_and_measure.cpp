@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <array>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -25,19 +26,20 @@ void require_readable(const std::filesystem::path& output) {
 
 }  // namespace
 
-SimplifyReport simplify_and_measure(const std::filesystem::path& input,
-                                    const std::filesystem::path& output,
+SimplifyReport simplify_and_measure(const InputPaths& input, const std::filesystem::path& output,
                                     const SimplifyOptions& options, const Hooks& hooks,
                                     bool overwrite) {
     require_readable(output);
-    SimplifyReport report = simplify_file(input, output, options, hooks, overwrite);
+    const std::unique_ptr<MeshSource> source = open_mesh(input, opening(options), hooks);
+    SimplifyReport report = simplify_to_files(*source, output, options, hooks, overwrite);
     MeasureOptions how;
     how.memory_bytes = options.memory_bytes;
     how.n_threads = options.n_threads;
     how.temp_dir = options.temp_dir;
     how.max_temp_bytes = options.max_temp_bytes;
     for (LodReport& lod : report.lods) {
-        lod.measured = measure_files(input, lod.path, how, hooks);
+        const std::unique_ptr<MeshSource> level = open_mesh(lod.path, opening(how));
+        lod.measured = measure(*source, *level, how, hooks);
         report.seconds += lod.measured->seconds;
     }
     return report;

@@ -75,8 +75,10 @@ struct Try {
 
 class Search {
   public:
-    Search(const std::filesystem::path& input, const SimplifyOptions& options, const Hooks& hooks)
-        : source_(open_mesh(input, options.strict)),
+    Search(const InputPaths& input, const SimplifyOptions& options, const Hooks& hooks)
+        : source_(
+              open_mesh(input, opening(options),
+                        {.on_progress = {}, .on_warning = hooks.on_warning, .stop = hooks.stop})),
           options_(options),
           target_(options.targets.front()),
           limit_(options.memory_bytes != 0 ? options.memory_bytes : ooc::default_memory_limit()),
@@ -160,8 +162,7 @@ class Search {
 
 }  // namespace
 
-SimplifyReport simplify_to_distance(const std::filesystem::path& input,
-                                    const std::filesystem::path& output,
+SimplifyReport simplify_to_distance(const InputPaths& input, const std::filesystem::path& output,
                                     const SimplifyOptions& options, const Hooks& hooks,
                                     bool overwrite) {
     const bool is_error =

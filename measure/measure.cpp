@@ -87,6 +87,8 @@ class Measurement {
     MeshSource& simplified_;
     const MeasureOptions& options_;
     ooc::Context context_;
+    ooc::HeldInput held_original_{context_.hold(original_)};
+    ooc::HeldInput held_simplified_{context_.hold(simplified_)};
     std::unique_ptr<MeshSink> map_;
     Lattice lattice_;
     MeasureReport report_;

@@ -46,6 +46,11 @@ Context::Context(const ResourceLimits& limits, Hooks hooks, std::vector<StageWei
 
 Context::~Context() = default;
 
+HeldInput Context::hold(const MeshSource& input) {
+    return {budget_.reserve("input", input.held_memory_bytes()),
+            SpillSpace::Share(spill_, input.held_temp_bytes())};
+}
+
 void Context::check_stop() const {
     if (hooks_.stop.stop_requested()) throw Cancelled();
 }

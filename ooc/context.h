@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "hewer/mesh_source.h"
 #include "hewer/progress.h"
 #include "ooc/memory_budget.h"
 #include "ooc/page_evictor.h"
@@ -33,6 +34,12 @@ struct ResourceLimits {
 /// `asked`, or for 0 as many as the machine has.
 unsigned thread_count(unsigned asked);
 
+/// What an input holds besides the run's own data, as long as the run lasts.
+struct HeldInput {
+    Reservation memory;
+    SpillSpace::Share temp;
+};
+
 /// A stage of a run, for progress: its name and its expected share of the time.
 struct StageWeight {
     std::string name;
@@ -49,6 +56,10 @@ class Context {
     ~Context();
     Context(const Context&) = delete;
     Context& operator=(const Context&) = delete;
+
+    /// Counts what `input` holds, memory and temporary files, against the limits of this run. The
+    /// result must not outlive it.
+    [[nodiscard]] HeldInput hold(const MeshSource& input);
 
     MemoryBudget& budget() { return budget_; }
     Workers& workers() { return *workers_; }

@@ -36,8 +36,15 @@ InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
     size_ = static_cast<std::uint64_t>(st.st_size);
 }
 
+InputFile::InputFile(std::shared_ptr<SpillFile> spilled, std::uint64_t size,
+                     std::filesystem::path name)
+    : path_(std::move(name)),
+      spilled_(std::move(spilled)),
+      fd_(spilled_->descriptor()),
+      size_(size) {}
+
 InputFile::~InputFile() {
-    if (fd_ >= 0) ::close(fd_);
+    if (!spilled_ && fd_ >= 0) ::close(fd_);
 }
 
 std::size_t InputFile::read_at(std::uint64_t offset, void* out, std::size_t bytes) const {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "ooc/pending_file.h"
+#include "ooc/spill.h"
 
 namespace hewer::ooc {
 
@@ -19,12 +20,16 @@ class InputFile {
   public:
     /// Throws IoError: not there, not readable, a directory.
     explicit InputFile(const std::filesystem::path& path);
+    /// Reads what `spilled` holds, `size` bytes of it; `name` stands for it in messages.
+    InputFile(std::shared_ptr<SpillFile> spilled, std::uint64_t size, std::filesystem::path name);
     InputFile(const InputFile&) = delete;
     InputFile& operator=(const InputFile&) = delete;
     ~InputFile();
 
     [[nodiscard]] const std::filesystem::path& path() const { return path_; }
     [[nodiscard]] std::uint64_t size() const { return size_; }
+    /// Of the temporary file behind it; 0 if there is none.
+    [[nodiscard]] std::uint64_t held_temp_bytes() const { return spilled_ ? size_ : 0; }
     /// Reads up to `bytes` at `offset`, fewer only at the end of the file; returns how many.
     std::size_t read_at(std::uint64_t offset, void* out, std::size_t bytes) const;
     /// Tells the system that the file will be read from front to back.
@@ -32,6 +37,7 @@ class InputFile {
 
   private:
     std::filesystem::path path_;
+    std::shared_ptr<SpillFile> spilled_;  // null: a file of its own
     int fd_ = -1;
     std::uint64_t size_ = 0;
 };

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <utility>
 
 namespace hewer::ooc {
 
@@ -22,6 +23,23 @@ class SpillSpace {
     [[nodiscard]] std::uint64_t peak() const { return peak_.load(std::memory_order_relaxed); }
     [[nodiscard]] std::uint64_t bytes_written() const { return written_.load(); }
     [[nodiscard]] std::uint64_t bytes_read() const { return read_.load(); }
+
+    /// Bytes of files that are not this object's, but count against its limit.
+    class Share {
+      public:
+        /// Throws OutOfDiskBudget beyond the limit.
+        Share(SpillSpace& space, std::uint64_t bytes) : space_(&space), bytes_(bytes) {
+            if (bytes > 0) space.take(bytes);
+        }
+        Share(Share&& other) noexcept
+            : space_(other.space_), bytes_(std::exchange(other.bytes_, 0)) {}
+        Share& operator=(Share&&) = delete;
+        ~Share() { space_->give_back(bytes_); }
+
+      private:
+        SpillSpace* space_;
+        std::uint64_t bytes_;
+    };
 
   private:
     friend class SpillFile;

@@ -232,8 +232,13 @@ void render(std::span<MeshSource* const> meshes, const std::filesystem::path& pn
     for (std::size_t i = 0; i < meshes.size(); ++i) {
         stages.insert(stages.end(), {{"bounds", 1}, {"vertices", 1}, {"triangles", 4}});
     }
-    ooc::Context context({.memory_bytes = options.memory_bytes, .n_threads = options.n_threads},
+    ooc::Context context({.memory_bytes = options.memory_bytes,
+                          .n_threads = options.n_threads,
+                          .temp_dir = options.temp_dir,
+                          .max_temp_bytes = options.max_temp_bytes},
                          hooks, stages);
+    std::vector<ooc::HeldInput> held;
+    for (const MeshSource* mesh : meshes) held.push_back(context.hold(*mesh));
     ooc::OutputFile file(png, options.overwrite);  // refuses before the work, not after
     Bounds bounds;
     for (MeshSource* mesh : meshes) bounds.extend(Picture(context, *mesh, options).find_bounds());

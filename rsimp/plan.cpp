@@ -93,9 +93,9 @@ bool is_in_order(MeshSource& source) {
 
 }  // namespace
 
-PlanReport plan(const std::filesystem::path& input, const SimplifyOptions& asked) {
+PlanReport plan(const InputPaths& input, const SimplifyOptions& asked) {
     rsimp::check_options(asked);
-    const std::unique_ptr<MeshSource> source = open_mesh(input, asked.strict);
+    const std::unique_ptr<MeshSource> source = open_mesh(input, opening(asked));
     const SourceInfo& info = source->info();
     SimplifyOptions options = asked;
     options.method = rsimp::method_for(asked, info);

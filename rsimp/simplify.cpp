@@ -85,6 +85,7 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const Simp
                           .sort_bytes = options.tuning.sort_bytes,
                           .spills_at_once = options.tuning.spills_at_once},
                          hooks, stage_weights(options));
+    const ooc::HeldInput held = context.hold(source);
     const ooc::Reservation slack =
         context.budget().reserve("slack", slack_bytes(context.budget().limit()));
     SimplifyReport report;

@@ -8,6 +8,7 @@
 #include "hewer/simplify.h"
 #include "hewer/version.h"
 #include "ooc/file.h"
+#include "ooc/progress_part.h"
 #include "streaming/mesh_writer.h"
 
 namespace hewer {
@@ -78,6 +79,14 @@ void require_target_fits(const std::filesystem::path& path, const Target& target
     streaming::require_format_fits(path, header);
 }
 
+void require_other_file(const std::filesystem::path& input, const std::filesystem::path& output) {
+    std::error_code ignored;
+    if (std::filesystem::equivalent(input, output, ignored)) {
+        throw InvalidArgument(output.string() +
+                              ": is the input; choose another name for the output");
+    }
+}
+
 }  // namespace
 
 std::filesystem::path lod_path(const std::filesystem::path& output, std::size_t lod,
@@ -89,10 +98,9 @@ std::filesystem::path lod_path(const std::filesystem::path& output, std::size_t 
     return output.parent_path() / name;
 }
 
-SimplifyReport simplify_file(const std::filesystem::path& input,
-                             const std::filesystem::path& output, const SimplifyOptions& options,
-                             const Hooks& hooks, bool overwrite) {
-    const std::unique_ptr<MeshSource> source = open_mesh(input, options.strict);
+SimplifyReport simplify_to_files(MeshSource& source, const std::filesystem::path& output,
+                                 const SimplifyOptions& options, const Hooks& hooks,
+                                 bool overwrite) {
     const std::size_t n = std::max<std::size_t>(1, options.targets.size());
     // All outputs are opened before any work, so that a bad place for them costs nothing. They get
     // their names together: a run that fails leaves no part of a chain, and none that is half new.
@@ -101,12 +109,7 @@ SimplifyReport simplify_file(const std::filesystem::path& input,
     for (std::size_t i = 0; i < n; ++i) {
         const std::filesystem::path path = lod_path(output, i, n);
         if (i < options.targets.size()) {
-            require_target_fits(path, options.targets[i], source->info());
-        }
-        std::error_code ignored;
-        if (std::filesystem::equivalent(input, path, ignored)) {
-            throw InvalidArgument(path.string() +
-                                  ": is the input; choose another name for the output");
+            require_target_fits(path, options.targets[i], source.info());
         }
         sinks.push_back(streaming::create_mesh_file(path, overwrite, outputs));
     }
@@ -116,7 +119,7 @@ SimplifyReport simplify_file(const std::filesystem::path& input,
         manifest_file->publish_with(outputs);
     }
     SimplifyReport report = simplify(
-        *source, [&](std::size_t i) { return std::move(sinks[i]); }, options, hooks);
+        source, [&](std::size_t i) { return std::move(sinks[i]); }, options, hooks);
     for (std::size_t i = 0; i < n; ++i) report.lods[i].path = lod_path(output, i, n).string();
     if (manifest_file) {
         manifest_file->write(manifest(report));
@@ -124,6 +127,20 @@ SimplifyReport simplify_file(const std::filesystem::path& input,
     }
     outputs.publish();
     return report;
+}
+
+SimplifyReport simplify_file(const InputPaths& input, const std::filesystem::path& output,
+                             const SimplifyOptions& options, const Hooks& hooks, bool overwrite) {
+    // Share of the time for an input that is imported, for progress.
+    constexpr double kImported = 0.3;
+    const std::size_t n = std::max<std::size_t>(1, options.targets.size());
+    for (const std::filesystem::path& file : list_files(input)) {
+        for (std::size_t i = 0; i < n; ++i) require_other_file(file, lod_path(output, i, n));
+    }
+    const std::unique_ptr<MeshSource> source =
+        open_mesh(input, opening(options), ooc::part_of(hooks, 0, kImported));
+    const double from = source->held_temp_bytes() > 0 ? kImported : 0;
+    return simplify_to_files(*source, output, options, ooc::part_of(hooks, from, 1), overwrite);
 }
 
 }  // namespace hewer

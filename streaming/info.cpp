@@ -16,6 +16,7 @@
 #include "ooc/array.h"
 #include "ooc/context.h"
 #include "ooc/parallel.h"
+#include "ooc/progress_part.h"
 #include "ooc/units.h"
 #include "streaming/topology_scan.h"
 
@@ -44,6 +45,8 @@ using Positions = std::variant<std::monostate, ooc::Array<std::array<float, 3>>,
 
 // Batches and file blocks that a thread has in flight, rounded up.
 constexpr std::uint64_t kBatchBytes = 4ULL << 20;
+// Share of the time for an input that is imported, for progress.
+constexpr double kImported = 0.7;
 
 Positions make_positions(const SourceInfo& source, ooc::Context& context) {
     const std::uint64_t vertex_bytes = source.has_double_positions ? 24 : 12;
@@ -194,8 +197,10 @@ class Inspector {
 
 }  // namespace
 
-InputReport info(const std::filesystem::path& input, const InfoOptions& options,
-                 const Hooks& hooks) {
+InputReport info(const InputPaths& input, const InfoOptions& options, const Hooks& hooks) {
+    const std::unique_ptr<MeshSource> source =
+        open_mesh(input, opening(options), ooc::part_of(hooks, 0, kImported));
+    const double from = source->held_temp_bytes() > 0 ? kImported : 0;
     // A face costs about as much to read as two vertices, and there are twice as many.
     std::vector<ooc::StageWeight> stages{{"vertices", 1}, {"triangles", 4}};
     if (options.with_topology) stages.push_back({"topology", 20});
@@ -203,8 +208,8 @@ InputReport info(const std::filesystem::path& input, const InfoOptions& options,
                           .n_threads = options.n_threads,
                           .temp_dir = options.temp_dir,
                           .max_temp_bytes = options.max_temp_bytes},
-                         hooks, std::move(stages));
-    const std::unique_ptr<MeshSource> source = open_mesh(input);
+                         ooc::part_of(hooks, from, 1), std::move(stages));
+    const ooc::HeldInput held = context.hold(*source);
     const SourceInfo& about = source->info();
 
     InputReport report;

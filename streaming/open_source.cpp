@@ -1,154 +1,134 @@
 // SPDX-License-Identifier: MIT
-/// Which reader fits a file, by its content; and what to say if none does.
+/// From paths to one source: compressed data unpacked, the right reader, several files joined.
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <utility>
 
 #include "hewer/error.h"
 #include "hewer/mesh_source.h"
 #include "ooc/file.h"
+#include "ooc/progress_part.h"
+#include "streaming/file_format.h"
+#include "streaming/joined_source.h"
+#include "streaming/mesh_import.h"
 #include "streaming/ply_header.h"
 #include "streaming/ply_reader.h"
 #include "streaming/stl_reader.h"
+#include "streaming/unpack.h"
 
 namespace hewer {
 
 namespace {
 
-using streaming::kStlHeaderBytes;
-using streaming::PlyEncoding;
-using streaming::PlyHeader;
+using streaming::FileFormat;
 
-constexpr const char* kFormats =
-    "hewer reads PLY (binary of both byte orders, ASCII) and binary STL";
-
-struct Signature {
-    std::string_view bytes;
-    const char* meaning;
-};
-
-// Prefixes that name a format by themselves.
-constexpr std::array<Signature, 30> kSignatures{{
-    {"\x1f\x8b", "gzip-compressed data; unpack it first"},
-    {"PK\x03\x04", "a ZIP archive; unpack it first"},
-    {"\x28\xb5\x2f\xfd", "Zstandard-compressed data; unpack it first"},
-    {"\xfd"
-     "7zXZ",
-     "xz-compressed data; unpack it first"},
-    {"BZh", "bzip2-compressed data; unpack it first"},
-    {"7z\xbc\xaf\x27\x1c", "a 7-Zip archive; unpack it first"},
-    {"LASF", "a LAS or LAZ point cloud, which has no triangles"},
-    {"ASTM-E57", "an E57 point cloud, which has no triangles"},
-    {"# .PCD", "a PCD point cloud, which has no triangles"},
-    {"glTF", "binary glTF (GLB)"},
-    {"Kaydara FBX", "FBX"},
-    {"DRACO", "Draco-compressed data"},
-    {"# vtk", "a legacy VTK file"},
-    {"#VRML", "VRML"},
-    {"#usda", "USD"},
-    {"PXR-USDC", "USD"},
-    {"<?xml", "XML (COLLADA, X3D, VTK, ...)"},
-    {"<VTKFile", "a VTK XML file"},
-    {"\x89HDF", "HDF5"},
-    {"OFF", "OFF"},
-    {"COFF", "OFF"},
-    {"NOFF", "OFF"},
-    {"STOFF", "OFF"},
-    {"\x89PNG", "a PNG image"},
-    {"\xff\xd8\xff", "a JPEG image"},
-    {"GIF8", "a GIF image"},
-    {{"II*\0", 4}, "a TIFF image"},
-    {{"MM\0*", 4}, "a TIFF image"},
-    {"%PDF", "a PDF document"},
-    {"RIFF", "a RIFF file (WebP image, sound)"},
-}};
-
-bool is_text(std::string_view head) {
-    return std::all_of(head.begin(), head.end(), [](char c) {
-        return static_cast<unsigned char>(c) >= ' ' || std::isspace(static_cast<unsigned char>(c));
-    });
+/// What is left of the limit on temporary files.
+OpenOptions beside(OpenOptions options, std::uint64_t held_temp_bytes) {
+    if (options.max_temp_bytes != 0) {
+        options.max_temp_bytes -= std::min(options.max_temp_bytes - 1, held_temp_bytes);
+    }
+    return options;
 }
 
-/// Whether the lines begin as those of an OBJ file do: at least one "v " and no stranger.
-bool is_obj(std::string_view head) {
-    constexpr std::array<std::string_view, 11> kKeywords{"v", "vn", "vt",     "vp",     "f", "o",
-                                                         "g", "s",  "mtllib", "usemtl", "l"};
-    bool has_vertex = false;
-    while (!head.empty()) {
-        const std::size_t end = head.find('\n');
-        if (end == head.npos) break;  // cut by the window, perhaps
-        const std::string_view line = head.substr(0, end);
-        head.remove_prefix(end + 1);
-        const std::string_view word = line.substr(0, line.find_first_of(" \t\r"));
-        if (word.empty() || word.front() == '#') continue;
-        if (std::find(kKeywords.begin(), kKeywords.end(), word) == kKeywords.end()) return false;
-        has_vertex = has_vertex || word == "v";
-    }
-    return has_vertex;
+std::unique_ptr<ooc::InputFile> open_input(const std::filesystem::path& path,
+                                           const OpenOptions& options, const Hooks& hooks) {
+    if (streaming::is_pipe(path)) return streaming::spool_pipe(path, options, hooks);
+    auto file = std::make_unique<ooc::InputFile>(path == "-" ? "/dev/stdin" : path);
+    file->advise_sequential();
+    return file;
 }
 
-/// What a file that no reader takes seems to be; empty if there is no telling.
-std::string describe(std::string_view head) {
-    for (const Signature& signature : kSignatures) {
-        if (head.substr(0, signature.bytes.size()) == signature.bytes) return signature.meaning;
-    }
-    if (!is_text(head)) return {};
-    if (head.substr(0, 5) == "solid") {
-        return "ASCII STL, which is not supported yet; convert it to binary STL or PLY";
-    }
-    const std::size_t first = head.find_first_not_of(" \t\r\n");
-    if (first != head.npos && head[first] == '{') {
-        return head.find("\"asset\"") != head.npos ? "glTF (JSON)" : "JSON";
-    }
-    if (is_obj(head)) return "OBJ";
-    return "text of a format unknown to hewer";
+/// The file itself, or what it unpacks to.
+std::unique_ptr<ooc::InputFile> unpack(std::unique_ptr<ooc::InputFile> file, FileFormat format,
+                                       const OpenOptions& options, const Hooks& hooks) {
+    return format == FileFormat::Gzip ? streaming::unpack_gzip(*file, options, hooks)
+                                      : streaming::unpack_zstd(*file, options, hooks);
 }
 
-bool has_stl_extension(const std::filesystem::path& path) {
-    std::string extension = path.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension == ".stl";
+std::unique_ptr<MeshSource> open_as(FileFormat format, std::unique_ptr<ooc::InputFile> file,
+                                    const OpenOptions& options, const Hooks& /*hooks*/) {
+    switch (format) {
+        case FileFormat::Ply: {
+            streaming::PlyHeader header = streaming::read_ply_header(*file);
+            return header.encoding == streaming::PlyEncoding::Ascii
+                       ? streaming::open_ascii_ply(std::move(file), std::move(header),
+                                                   options.strict)
+                       : streaming::open_binary_ply(std::move(file), std::move(header),
+                                                    options.strict);
+        }
+        case FileFormat::BinaryStl:
+            return streaming::open_binary_stl(std::move(file), options.strict);
+        case FileFormat::AsciiStl:
+        case FileFormat::Obj:
+        case FileFormat::Off:
+        case FileFormat::Gltf:
+        case FileFormat::Glb:
+        case FileFormat::Draco:
+        case FileFormat::Gzip:
+        case FileFormat::Zstd:
+            break;
+    }
+    throw FormatError(file->path().string() + ": a format that is not read yet");
 }
 
-/// STL has no signature. If its count is wrong too, the comment field is a hint: text, or zeros.
-bool has_stl_comment(std::string_view head) {
-    std::string_view comment = head.substr(0, std::min(head.size(), kStlHeaderBytes - 4));
-    comment = comment.substr(0, std::min(comment.find_last_not_of('\0') + 1, comment.size()));
-    return is_text(comment);
+std::unique_ptr<MeshSource> open_file(const std::filesystem::path& path, const OpenOptions& asked,
+                                      const Hooks& hooks) {
+    // Text inside compressed data is read twice, before and after it is unpacked.
+    constexpr double kUnpacked = 0.5;
+    std::unique_ptr<ooc::InputFile> file =
+        open_input(path, asked, ooc::part_of(hooks, 0, kUnpacked));
+    OpenOptions options = beside(asked, file->held_temp_bytes());
+    FileFormat format = streaming::detect_format(*file);
+    if (format == FileFormat::Gzip || format == FileFormat::Zstd) {
+        file = unpack(std::move(file), format, options, ooc::part_of(hooks, 0, kUnpacked));
+        options = beside(asked, file->held_temp_bytes());
+        format = streaming::detect_format(*file);
+        if (format == FileFormat::Gzip || format == FileFormat::Zstd) {
+            throw FormatError(path.string() + ": compressed twice; unpack it once first");
+        }
+    }
+    if (!options.format.empty()) format = streaming::format_named(options.format, *file);
+    const double from = file->held_temp_bytes() > 0 ? kUnpacked : 0;
+    return open_as(format, std::move(file), options, ooc::part_of(hooks, from, 1));
+}
+
+std::string name_of(const std::vector<std::filesystem::path>& files) {
+    return files.front().string() + " and " + std::to_string(files.size() - 1) + " more";
+}
+
+/// Soups beside indexed meshes get indices.
+void make_alike(std::vector<std::unique_ptr<MeshSource>>& parts, const OpenOptions& options,
+                const Hooks& hooks) {
+    const auto is_soup = [](const auto& part) { return !part->info().is_indexed; };
+    if (std::all_of(parts.begin(), parts.end(), is_soup)) return;
+    for (std::unique_ptr<MeshSource>& part : parts) {
+        if (is_soup(part)) part = streaming::import_indexed(*part, options, hooks);
+    }
 }
 
 }  // namespace
 
-std::unique_ptr<MeshSource> open_mesh(const std::filesystem::path& path, bool strict) {
-    auto file = std::make_unique<ooc::InputFile>(path);
-    file->advise_sequential();
-    const std::string name = path.string();
-    if (file->size() == 0) throw FormatError(name + ": the file is empty; " + kFormats);
+std::vector<std::string> input_formats() {
+    return streaming::format_names();
+}
 
-    std::array<char, 4096> bytes{};
-    const std::string_view head(bytes.data(), file->read_at(0, bytes.data(), bytes.size()));
-    if (head.substr(0, 4) == "ply\n" || head.substr(0, 4) == "ply\r") {
-        PlyHeader header = streaming::read_ply_header(*file);
-        return header.encoding == PlyEncoding::Ascii
-                   ? streaming::open_ascii_ply(std::move(file), std::move(header), strict)
-                   : streaming::open_binary_ply(std::move(file), std::move(header), strict);
+std::unique_ptr<MeshSource> open_mesh(const InputPaths& inputs, const OpenOptions& options,
+                                      const Hooks& hooks) {
+    const std::vector<std::filesystem::path> files = list_files(inputs);
+    if (files.empty()) throw InvalidArgument("no input is named");
+    if (files.size() == 1) return open_file(files.front(), options, hooks);
+    std::vector<std::unique_ptr<MeshSource>> parts;
+    std::uint64_t held_temp_bytes = 0;
+    const double share = 1.0 / static_cast<double>(files.size());
+    for (std::size_t i = 0; i < files.size(); ++i) {
+        const double from = share * static_cast<double>(i);
+        parts.push_back(open_file(files[i], beside(options, held_temp_bytes),
+                                  ooc::part_of(hooks, from, from + share)));
+        held_temp_bytes += parts.back()->held_temp_bytes();
     }
-    if (streaming::is_whole_binary_stl(*file)) {
-        return streaming::open_binary_stl(std::move(file), strict);
-    }
-    const std::string meaning = describe(head);
-    if (!meaning.empty()) {
-        throw FormatError(name + ": this seems to be " + meaning + "; " + kFormats);
-    }
-    if (file->size() >= kStlHeaderBytes && (has_stl_extension(path) || has_stl_comment(head))) {
-        return streaming::open_binary_stl(std::move(file), strict);
-    }
-    throw FormatError(name + ": not a mesh file that hewer knows; " + kFormats);
+    make_alike(parts, beside(options, held_temp_bytes), ooc::part_of(hooks, 1, 1));
+    return streaming::join_sources(std::move(parts), name_of(files));
 }
 
 }  // namespace hewer

@@ -13,8 +13,7 @@ namespace hewer {
 /// simplify_file(), then measure_files() on each output: LodReport::measured. The outputs are read
 /// again, so they must be of a format that open_mesh() reads (.ply, .stl).
 /// Throws what both of them throw; the outputs are there if it was the measuring that failed.
-SimplifyReport simplify_and_measure(const std::filesystem::path& input,
-                                    const std::filesystem::path& output,
+SimplifyReport simplify_and_measure(const InputPaths& input, const std::filesystem::path& output,
                                     const SimplifyOptions& options, const Hooks& hooks = {},
                                     bool overwrite = false);
 
@@ -28,8 +27,7 @@ SimplifyReport simplify_and_measure(const std::filesystem::path& input,
 /// Passes: some ten runs of simplify() and measure(). Memory: theirs, and 46 bytes for each
 /// triangle of the result and of the try at hand.
 /// Throws: what simplify() and measure() throw; InvalidArgument if no budget is good enough.
-SimplifyReport simplify_to_distance(const std::filesystem::path& input,
-                                    const std::filesystem::path& output,
+SimplifyReport simplify_to_distance(const InputPaths& input, const std::filesystem::path& output,
                                     const SimplifyOptions& options, const Hooks& hooks = {},
                                     bool overwrite = false);
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 #include "hewer/progress.h"
 #include "hewer/report.h"
@@ -15,6 +16,8 @@ struct InfoOptions {
     /// triangles, and 4 bytes a vertex of memory (8 beyond 2^32 vertices), the rest on disk where
     /// it has to be. The vertices of a triangle soup are its exactly equal corners.
     bool with_topology = false;
+    /// Of the input; see OpenOptions::format.
+    std::string input_format{};
     /// As in SimplifyOptions.
     std::uint64_t memory_bytes = 0;
     unsigned n_threads = 0;
@@ -30,7 +33,6 @@ struct InfoOptions {
 /// Deterministic for any thread count.
 /// Throws: FormatError, IoError, Cancelled, OutOfMemoryBudget (a limit below what the program
 /// itself, or the topology, needs), OutOfDiskBudget.
-InputReport info(const std::filesystem::path& input, const InfoOptions& options = {},
-                 const Hooks& hooks = {});
+InputReport info(const InputPaths& input, const InfoOptions& options = {}, const Hooks& hooks = {});
 
 }  // namespace hewer

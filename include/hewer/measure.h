@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "hewer/mesh_source.h"
@@ -34,6 +35,8 @@ struct MeasureOptions {
     /// Distance of the last colour of the map, model units; 0: the larger 99.9 % quantile of both
     /// directions.
     double map_range = 0;
+    /// Of the input; see OpenOptions::format.
+    std::string input_format{};
     bool overwrite = false;          ///< the map
     std::uint64_t memory_bytes = 0;  ///< as in SimplifyOptions
     unsigned n_threads = 0;
@@ -106,8 +109,7 @@ struct MeasureReport {
 MeasureReport measure(MeshSource& original, MeshSource& simplified,
                       const MeasureOptions& options = {}, const Hooks& hooks = {});
 
-MeasureReport measure_files(const std::filesystem::path& original,
-                            const std::filesystem::path& simplified,
+MeasureReport measure_files(const InputPaths& original, const InputPaths& simplified,
                             const MeasureOptions& options = {}, const Hooks& hooks = {});
 
 }  // namespace hewer

@@ -8,8 +8,10 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "hewer/progress.h"
 #include "hewer/types.h"
 
 namespace hewer {
@@ -97,12 +99,63 @@ class MeshSource {
 
     /// Bytes read from storage so far.
     [[nodiscard]] virtual std::uint64_t bytes_read() const = 0;
+
+    /// What the source holds as long as it lives, besides the batches in flight: a run counts it
+    /// against its own limits.
+    [[nodiscard]] virtual std::uint64_t held_memory_bytes() const { return 0; }
+    [[nodiscard]] virtual std::uint64_t held_temp_bytes() const { return 0; }
 };
 
-/// Opens a file by its content, not its name: PLY (binary of both byte orders, ASCII) or binary
-/// STL. Checks the header against the file size. With `strict`, defects are thrown as FormatError.
-/// Throws: FormatError, IoError.
-std::unique_ptr<MeshSource> open_mesh(const std::filesystem::path& path, bool strict = false);
+/// How to open inputs. The limits are for those that cannot be streamed where they lie: text,
+/// compressed data and pipes are read once, front to back, into temporary files.
+struct OpenOptions {
+    /// Defects are thrown as FormatError.
+    bool strict = false;
+    /// A name of input_formats(). Empty: by the content.
+    std::string format{};
+    /// As in SimplifyOptions.
+    std::uint64_t memory_bytes = 0;
+    unsigned n_threads = 0;
+    std::filesystem::path temp_dir{};
+    std::uint64_t max_temp_bytes = 0;
+};
+
+/// What any options say of the opening of their input.
+template <typename Options>
+OpenOptions opening(const Options& options) {
+    OpenOptions open{.format = options.input_format,
+                     .memory_bytes = options.memory_bytes,
+                     .n_threads = options.n_threads,
+                     .temp_dir = options.temp_dir,
+                     .max_temp_bytes = options.max_temp_bytes};
+    if constexpr (requires { options.strict; }) open.strict = options.strict;
+    return open;
+}
+
+/// One model: a path, or several, of which each is a file, a folder (all mesh files in it, by
+/// name), a pattern such as "tile_*.ply" where no file has that very name, or "-" for standard
+/// input.
+struct InputPaths {
+    std::vector<std::filesystem::path> paths;
+
+    InputPaths(std::filesystem::path path) : paths{std::move(path)} {}
+    InputPaths(const char* path) : paths{path} {}
+    InputPaths(const std::string& path) : paths{path} {}
+    InputPaths(std::vector<std::filesystem::path> several) : paths(std::move(several)) {}
+};
+
+/// The files that `inputs` stands for. Throws IoError: a pattern or folder without a mesh file.
+std::vector<std::filesystem::path> list_files(const InputPaths& inputs);
+
+/// Names for OpenOptions::format: "ply", "stl", ...
+std::vector<std::string> input_formats();
+
+/// Opens a model by its content, not its name. docs/input_formats.md lists what is read. Headers
+/// are checked against the file sizes. Several files are one model: their vertices and triangles
+/// follow each other.
+/// Throws: FormatError, IoError, OutOfDiskBudget, OutOfMemoryBudget, Cancelled.
+std::unique_ptr<MeshSource> open_mesh(const InputPaths& inputs, const OpenOptions& options = {},
+                                      const Hooks& hooks = {});
 
 /// A mesh in memory. normals and colors are empty or as many as positions.
 struct Mesh {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "hewer/types.h"
@@ -79,6 +80,8 @@ struct SimplifyOptions {
     /// Defects in the input end the run instead of being counted.
     bool strict = false;
 
+    /// Of the input; see OpenOptions::format.
+    std::string input_format{};
     /// Bytes that the whole process may hold. 0: the control group's limit, else half of the
     /// machine.
     std::uint64_t memory_bytes = 0;

@@ -27,7 +27,8 @@ struct PlanReport {
     double seconds = 0;
 };
 
-/// Reads the header and a sample of the input. Throws as simplify() does.
-PlanReport plan(const std::filesystem::path& input, const SimplifyOptions& options);
+/// Reads the header and a sample of the input; of one that has to be imported (see OpenOptions),
+/// all. Throws as simplify() does.
+PlanReport plan(const InputPaths& input, const SimplifyOptions& options);
 
 }  // namespace hewer

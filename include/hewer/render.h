@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 
 #include "hewer/mesh_source.h"
 #include "hewer/progress.h"
@@ -21,8 +22,12 @@ struct RenderOptions {
     bool edges = false;      ///< draw the triangles' edges
     double zoom = 1;         ///< 1 fits the bounding sphere into the picture
     bool overwrite = false;
+    /// Of the input; see OpenOptions::format.
+    std::string input_format{};
     std::uint64_t memory_bytes = 0;
     unsigned n_threads = 0;
+    std::filesystem::path temp_dir{};  ///< for inputs that have to be imported
+    std::uint64_t max_temp_bytes = 0;  ///< 0: no limit
 };
 
 /// Orthographic view, flat shading from triangle normals, 2x2 supersampling, written as PNG. Back

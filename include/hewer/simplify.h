@@ -43,11 +43,17 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks,
                         const SimplifyOptions& options, const Hooks& hooks = {},
                         const ParentsCallback& parents = {});
 
-/// One input file, one output file for each target: OUTPUT itself for a single target, else
+/// One file for each target: OUTPUT itself for a single target, else
 /// name_lod0.ext, name_lod1.ext, ... and name_lods.json beside them.
-SimplifyReport simplify_file(const std::filesystem::path& input,
-                             const std::filesystem::path& output, const SimplifyOptions& options,
-                             const Hooks& hooks = {}, bool overwrite = false);
+SimplifyReport simplify_to_files(MeshSource& source, const std::filesystem::path& output,
+                                 const SimplifyOptions& options, const Hooks& hooks = {},
+                                 bool overwrite = false);
+
+/// open_mesh(), then simplify_to_files(). Throws what both do; InvalidArgument if an output is one
+/// of the inputs.
+SimplifyReport simplify_file(const InputPaths& input, const std::filesystem::path& output,
+                             const SimplifyOptions& options, const Hooks& hooks = {},
+                             bool overwrite = false);
 
 /// In memory, one target.
 Mesh simplify_mesh(const Mesh& mesh, const SimplifyOptions& options, const Hooks& hooks = {});

@@ -28,9 +28,9 @@ TEST(CliInput, that_does_not_exist_is_an_io_error) {
     EXPECT_EQ(dir.list(), Names{});
 }
 
-TEST(CliInput, that_is_a_folder_is_an_io_error) {
+TEST(CliInput, that_is_a_folder_without_meshes_is_an_io_error) {
     const ScratchDir dir;
-    expect_error(run_program({"info", dir.path()}), 4, "directory");
+    expect_error(run_program({"info", dir.path()}), 4, "without a mesh file");
 }
 
 TEST(CliInput, that_is_no_mesh_is_a_format_error) {

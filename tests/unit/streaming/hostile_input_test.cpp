@@ -52,7 +52,7 @@ class HostileInput : public ::testing::Test {
                         bool is_strict = false, const std::string& name = "input.bin") {
         const std::filesystem::path path = dir_.write(name, content);
         try {
-            const auto source = open_mesh(path, is_strict);
+            const auto source = open_mesh(path, {.strict = is_strict});
             // One thread: which of two defects is met first is up to the threads otherwise.
             (void)test::read_all(*source, 1);
             ADD_FAILURE() << "was read; expected: " << words.front();
@@ -281,18 +281,13 @@ TEST_F(HostileInput, WhatIsNoMeshIsCalledByItsName) {
                            "rot_0\nend_header\n0 0 0 1 1 1"),
                    {"splat"});
     expect_refused("", {"empty"});
-    expect_refused("\x1f\x8b\x08 zipped", {"gzip", "PLY"});
+    expect_refused("\x1f\x8b\x08 zipped", {"gzip", "damaged"});
     expect_refused("PK\x03\x04 zipped", {"ZIP"});
-    expect_refused("\x28\xb5\x2f\xfd zipped", {"Zstandard"});
+    expect_refused("\x28\xb5\x2f\xfd zipped", {"Zstandard", "damaged"});
     expect_refused("LASF and so on", {"LAS", "no triangles"});
-    expect_refused("glTF....", {"glTF"});
-    expect_refused("{ \"asset\": { \"version\": \"2.0\" } }", {"glTF (JSON)"});
     expect_refused("\x89PNG\r\n\x1a\n", {"PNG"});
     expect_refused("\xff\xd8\xff\xe0 JFIF", {"JPEG"});
     expect_refused(std::string("MM\0*", 4) + "data", {"TIFF"});
-    expect_refused("OFF\n3 1 0\n", {"OFF"});
-    expect_refused("# made by hand\no thing\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", {"OBJ"});
-    expect_refused("solid x\nfacet normal 0 0 1\nouter loop\n", {"ASCII STL", "binary STL"});
     expect_refused("just words\n", {"text", "PLY"});
     expect_refused(std::string("\x01\x02\x03", 3), {"not a mesh file"});
 }

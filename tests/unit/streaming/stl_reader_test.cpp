@@ -92,7 +92,7 @@ TEST(StlReader, DropsAndCountsNonFiniteTriangles) {
     EXPECT_EQ(back.soup, (Soup{soup[0], soup[2], soup[4]}));
     EXPECT_EQ(back.defects.nonfinite_triangles, 2U);
     EXPECT_EQ(back.defects.first_nonfinite, "triangle 1 (byte 134)");
-    const auto strict = open_mesh(path, true);
+    const auto strict = open_mesh(path, {.strict = true});
     EXPECT_THROW((void)test::read_all(*strict), FormatError);
 }
 

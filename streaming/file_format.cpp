@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+#include "streaming/file_format.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <utility>
+
+#include "hewer/error.h"
+#include "hewer/mesh_source.h"
+#include "streaming/stl_reader.h"
+
+namespace hewer::streaming {
+
+namespace {
+
+constexpr const char* kFormats =
+    "hewer reads PLY, STL, OBJ, OFF, glTF, GLB and Draco, also compressed (.gz, .zst)";
+
+// Prefixes that name a format by themselves.
+constexpr std::array<std::pair<std::string_view, FileFormat>, 11> kOurs{{
+    {"ply\n", FileFormat::Ply},
+    {"ply\r", FileFormat::Ply},
+    {"glTF", FileFormat::Glb},
+    {"DRACO", FileFormat::Draco},
+    {"\x1f\x8b", FileFormat::Gzip},
+    {"\x28\xb5\x2f\xfd", FileFormat::Zstd},
+    {"OFF", FileFormat::Off},
+    {"COFF", FileFormat::Off},
+    {"NOFF", FileFormat::Off},
+    {"CNOFF", FileFormat::Off},
+    {"STOFF", FileFormat::Off},
+}};
+
+struct Signature {
+    std::string_view bytes;
+    const char* meaning;
+};
+
+constexpr std::array<Signature, 22> kForeign{{
+    {"PK\x03\x04", "a ZIP archive; unpack it first"},
+    {"\xfd"
+     "7zXZ",
+     "xz-compressed data; unpack it first"},
+    {"BZh", "bzip2-compressed data; unpack it first"},
+    {"7z\xbc\xaf\x27\x1c", "a 7-Zip archive; unpack it first"},
+    {"LASF", "a LAS or LAZ point cloud, which has no triangles"},
+    {"ASTM-E57", "an E57 point cloud, which has no triangles"},
+    {"# .PCD", "a PCD point cloud, which has no triangles"},
+    {"Kaydara FBX", "FBX"},
+    {"# vtk", "a legacy VTK file"},
+    {"#VRML", "VRML"},
+    {"#usda", "USD"},
+    {"PXR-USDC", "USD"},
+    {"<?xml", "XML (COLLADA, X3D, VTK, ...)"},
+    {"<VTKFile", "a VTK XML file"},
+    {"\x89HDF", "HDF5"},
+    {"\x89PNG", "a PNG image"},
+    {"\xff\xd8\xff", "a JPEG image"},
+    {"GIF8", "a GIF image"},
+    {{"II*\0", 4}, "a TIFF image"},
+    {{"MM\0*", 4}, "a TIFF image"},
+    {"%PDF", "a PDF document"},
+    {"RIFF", "a RIFF file (WebP image, sound)"},
+}};
+
+bool is_text(std::string_view head) {
+    return std::all_of(head.begin(), head.end(), [](char c) {
+        return static_cast<unsigned char>(c) >= ' ' || std::isspace(static_cast<unsigned char>(c));
+    });
+}
+
+/// Whether the lines begin as those of an OBJ file do: at least one vertex or face, or a material
+/// library, and no stranger.
+bool is_obj(std::string_view head) {
+    constexpr std::array<std::string_view, 16> kKeywords{"v",  "vn",  "vt",     "vp",     "f", "o",
+                                                         "g",  "s",   "mtllib", "usemtl", "l", "p",
+                                                         "mg", "lod", "usemap", "maplib"};
+    bool has_vertex = false;
+    while (!head.empty()) {
+        const std::size_t end = head.find('\n');
+        if (end == head.npos) break;  // cut by the window, perhaps
+        std::string_view line = head.substr(0, end);
+        head.remove_prefix(end + 1);
+        line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+        const std::string_view word = line.substr(0, line.find_first_of(" \t\r"));
+        if (word.empty() || word.front() == '#') continue;
+        if (std::find(kKeywords.begin(), kKeywords.end(), word) == kKeywords.end()) return false;
+        has_vertex = has_vertex || word == "v" || word == "f" || word == "mtllib";
+    }
+    return has_vertex;
+}
+
+/// "solid", and further on a facet: many binary files begin with that word, too.
+bool is_ascii_stl(std::string_view head) {
+    head.remove_prefix(std::min(head.find_first_not_of(" \t\r\n"), head.size()));
+    return head.substr(0, 5) == "solid" && is_text(head) &&
+           (head.find("facet") != head.npos || head.find("endsolid") != head.npos);
+}
+
+/// What a file that no reader takes seems to be; empty if there is no telling.
+std::string describe(std::string_view head) {
+    for (const Signature& signature : kForeign) {
+        if (head.substr(0, signature.bytes.size()) == signature.bytes) return signature.meaning;
+    }
+    if (!is_text(head)) return {};
+    const std::size_t first = head.find_first_not_of(" \t\r\n");
+    if (first != head.npos && head[first] == '{') return "JSON, but not glTF";
+    return "text of a format unknown to hewer";
+}
+
+std::string lower_extension(const std::filesystem::path& path) {
+    std::string extension = path.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension;
+}
+
+/// STL has no signature. If its count is wrong too, the comment field is a hint: text, or zeros.
+bool has_stl_comment(std::string_view head) {
+    std::string_view comment = head.substr(0, std::min(head.size(), kStlHeaderBytes - 4));
+    comment = comment.substr(0, std::min(comment.find_last_not_of('\0') + 1, comment.size()));
+    return is_text(comment);
+}
+
+struct Window {
+    std::array<char, 4096> bytes{};
+    std::string_view head;
+    explicit Window(const ooc::InputFile& file)
+        : head(bytes.data(), file.read_at(0, bytes.data(), bytes.size())) {}
+};
+
+struct Name {
+    const char* name;
+    FileFormat format;
+};
+constexpr std::array<Name, 7> kNames{{{"ply", FileFormat::Ply},
+                                      {"stl", FileFormat::BinaryStl},
+                                      {"obj", FileFormat::Obj},
+                                      {"off", FileFormat::Off},
+                                      {"gltf", FileFormat::Gltf},
+                                      {"glb", FileFormat::Glb},
+                                      {"drc", FileFormat::Draco}}};
+
+}  // namespace
+
+std::vector<std::string> format_names() {
+    std::vector<std::string> names;
+    for (const Name& n : kNames) names.emplace_back(n.name);
+    return names;
+}
+
+FileFormat format_named(std::string_view name, const ooc::InputFile& file) {
+    const auto* const it =
+        std::find_if(kNames.begin(), kNames.end(), [&](const Name& n) { return n.name == name; });
+    if (it == kNames.end()) {
+        throw InvalidArgument("no input format is named " + std::string(name));
+    }
+    if (it->format == FileFormat::BinaryStl && !is_whole_binary_stl(file) &&
+        is_ascii_stl(Window(file).head)) {
+        return FileFormat::AsciiStl;
+    }
+    return it->format;
+}
+
+FileFormat detect_format(const ooc::InputFile& file) {
+    const std::string name = file.path().string();
+    if (file.size() == 0) throw FormatError(name + ": the file is empty; " + kFormats);
+    const Window window(file);
+    const std::string_view head = window.head;
+    for (const auto& [prefix, format] : kOurs) {
+        if (head.substr(0, prefix.size()) == prefix) return format;
+    }
+    if (is_whole_binary_stl(file)) return FileFormat::BinaryStl;
+    if (is_ascii_stl(head)) return FileFormat::AsciiStl;
+    if (is_text(head)) {
+        const std::size_t first = head.find_first_not_of(" \t\r\n");
+        const bool is_json = first != head.npos && head[first] == '{';
+        if (is_json && (head.find("\"asset\"") != head.npos || lower_extension(name) == ".gltf")) {
+            return FileFormat::Gltf;
+        }
+        if (is_obj(head) || lower_extension(name) == ".obj") return FileFormat::Obj;
+    }
+    const std::string meaning = describe(head);
+    if (!meaning.empty()) {
+        throw FormatError(name + ": this seems to be " + meaning + "; " + kFormats);
+    }
+    if (file.size() >= kStlHeaderBytes &&
+        (lower_extension(name) == ".stl" || has_stl_comment(head))) {
+        return FileFormat::BinaryStl;
+    }
+    throw FormatError(name + ": not a mesh file that hewer knows; " + kFormats);
+}
+
+bool has_mesh_extension(const std::filesystem::path& path) {
+    std::string extension = lower_extension(path);
+    if (extension == ".gz" || extension == ".zst") extension = lower_extension(path.stem());
+    return std::any_of(kNames.begin(), kNames.end(),
+                       [&](const Name& n) { return extension == std::string(".") + n.name; });
+}
+
+}  // namespace hewer::streaming
