@@ -18,13 +18,11 @@ constexpr const char* kFormats =
     "hewer reads PLY, STL, OBJ, OFF, glTF, GLB and Draco, also compressed (.gz, .zst)";
 
 // Prefixes that name a format by themselves.
-constexpr std::array<std::pair<std::string_view, FileFormat>, 11> kOurs{{
+constexpr std::array<std::pair<std::string_view, FileFormat>, 9> kOurs{{
     {"ply\n", FileFormat::Ply},
     {"ply\r", FileFormat::Ply},
     {"glTF", FileFormat::Glb},
     {"DRACO", FileFormat::Draco},
-    {"\x1f\x8b", FileFormat::Gzip},
-    {"\x28\xb5\x2f\xfd", FileFormat::Zstd},
     {"OFF", FileFormat::Off},
     {"COFF", FileFormat::Off},
     {"NOFF", FileFormat::Off},
@@ -161,6 +159,13 @@ FileFormat format_named(std::string_view name, const ooc::InputFile& file) {
         return FileFormat::AsciiStl;
     }
     return it->format;
+}
+
+Packing detect_packing(const ooc::InputFile& file) {
+    const Window window(file);
+    if (window.head.substr(0, 2) == "\x1f\x8b") return Packing::Gzip;
+    if (window.head.substr(0, 4) == "\x28\xb5\x2f\xfd") return Packing::Zstd;
+    return Packing::None;
 }
 
 FileFormat detect_format(const ooc::InputFile& file) {

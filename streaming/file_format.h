@@ -19,9 +19,11 @@ enum class FileFormat {
     Gltf,  ///< JSON
     Glb,
     Draco,
-    Gzip,
-    Zstd,
 };
+
+/// What has to be done before the content can be told; nothing for plain files.
+enum class Packing { None, Gzip, Zstd };
+Packing detect_packing(const ooc::InputFile& file);
 
 /// The format that a user's word for it means: "ply", "stl", ... Throws InvalidArgument.
 FileFormat format_named(std::string_view name, const ooc::InputFile& file);

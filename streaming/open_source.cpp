@@ -40,10 +40,19 @@ std::unique_ptr<ooc::InputFile> open_input(const std::filesystem::path& path,
 }
 
 /// The file itself, or what it unpacks to.
-std::unique_ptr<ooc::InputFile> unpack(std::unique_ptr<ooc::InputFile> file, FileFormat format,
+std::unique_ptr<ooc::InputFile> unpack(std::unique_ptr<ooc::InputFile> file,
                                        const OpenOptions& options, const Hooks& hooks) {
-    return format == FileFormat::Gzip ? streaming::unpack_gzip(*file, options, hooks)
-                                      : streaming::unpack_zstd(*file, options, hooks);
+    using streaming::Packing;
+    const Packing packing = streaming::detect_packing(*file);
+    if (packing == Packing::None) return file;
+    const OpenOptions rest = beside(options, file->held_temp_bytes());
+    std::unique_ptr<ooc::InputFile> inside = packing == Packing::Gzip
+                                                 ? streaming::unpack_gzip(*file, rest, hooks)
+                                                 : streaming::unpack_zstd(*file, rest, hooks);
+    if (streaming::detect_packing(*inside) != Packing::None) {
+        throw FormatError(file->path().string() + ": compressed twice; unpack it once first");
+    }
+    return inside;
 }
 
 std::unique_ptr<MeshSource> open_as(FileFormat format, std::unique_ptr<ooc::InputFile> file,
@@ -65,8 +74,6 @@ std::unique_ptr<MeshSource> open_as(FileFormat format, std::unique_ptr<ooc::Inpu
         case FileFormat::Gltf:
         case FileFormat::Glb:
         case FileFormat::Draco:
-        case FileFormat::Gzip:
-        case FileFormat::Zstd:
             break;
     }
     throw FormatError(file->path().string() + ": a format that is not read yet");
@@ -76,19 +83,12 @@ std::unique_ptr<MeshSource> open_file(const std::filesystem::path& path, const O
                                       const Hooks& hooks) {
     // Text inside compressed data is read twice, before and after it is unpacked.
     constexpr double kUnpacked = 0.5;
-    std::unique_ptr<ooc::InputFile> file =
-        open_input(path, asked, ooc::part_of(hooks, 0, kUnpacked));
-    OpenOptions options = beside(asked, file->held_temp_bytes());
-    FileFormat format = streaming::detect_format(*file);
-    if (format == FileFormat::Gzip || format == FileFormat::Zstd) {
-        file = unpack(std::move(file), format, options, ooc::part_of(hooks, 0, kUnpacked));
-        options = beside(asked, file->held_temp_bytes());
-        format = streaming::detect_format(*file);
-        if (format == FileFormat::Gzip || format == FileFormat::Zstd) {
-            throw FormatError(path.string() + ": compressed twice; unpack it once first");
-        }
-    }
-    if (!options.format.empty()) format = streaming::format_named(options.format, *file);
+    const Hooks before = ooc::part_of(hooks, 0, kUnpacked);
+    std::unique_ptr<ooc::InputFile> file = unpack(open_input(path, asked, before), asked, before);
+    const OpenOptions options = beside(asked, file->held_temp_bytes());
+    const FileFormat format = options.format.empty()
+                                  ? streaming::detect_format(*file)
+                                  : streaming::format_named(options.format, *file);
     const double from = file->held_temp_bytes() > 0 ? kUnpacked : 0;
     return open_as(format, std::move(file), options, ooc::part_of(hooks, from, 1));
 }

@@ -60,6 +60,9 @@ class PlySource final : public MeshSource {
 
     [[nodiscard]] const SourceInfo& info() const override { return info_; }
     [[nodiscard]] std::uint64_t bytes_read() const override { return n_bytes_read_.load(); }
+    [[nodiscard]] std::uint64_t held_temp_bytes() const override {
+        return file_->held_temp_bytes();
+    }
 
     void begin_vertices() override {
         const Position start = start_of(layout_.vertex_element);

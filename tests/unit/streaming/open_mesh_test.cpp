@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: MIT
+/// From paths to a source: compressed files, pipes, folders, patterns, several files as one model.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <zlib.h>
+#include <zstd.h>
+
+#include <fstream>
+#include <thread>
+
+#include "hewer/error.h"
+#include "hewer/mesh_source.h"
+#include "tests/support/ply_builder.h"
+#include "tests/support/read_back.h"
+#include "tests/support/temp_dir.h"
+
+namespace hewer {
+namespace {
+
+test::PlyMesh strip_of(std::size_t n, double x0) {
+    test::PlyMesh mesh;
+    for (std::size_t i = 0; i < n + 2; ++i) {
+        const double x = x0 + static_cast<double>(i);
+        mesh.positions.push_back({x, static_cast<double>(i % 2), 0});
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+        const auto a = static_cast<std::int64_t>(i);
+        mesh.faces.push_back({a, a + 1, a + 2});
+    }
+    return mesh;
+}
+
+std::string gzip(const std::string& text) {
+    z_stream z{};
+    EXPECT_EQ(::deflateInit2(&z, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);
+    std::string out(::deflateBound(&z, text.size()) + 64, '\0');
+    std::string in = text;
+    z.next_in = reinterpret_cast<Bytef*>(in.data());
+    z.avail_in = static_cast<uInt>(in.size());
+    z.next_out = reinterpret_cast<Bytef*>(out.data());
+    z.avail_out = static_cast<uInt>(out.size());
+    EXPECT_EQ(::deflate(&z, Z_FINISH), Z_STREAM_END);
+    out.resize(z.total_out);
+    ::deflateEnd(&z);
+    return out;
+}
+
+/// With a checksum, as the format's own tool writes it.
+std::string zstd(const std::string& text, int level = 3) {
+    ZSTD_CCtx* const context = ::ZSTD_createCCtx();
+    ::ZSTD_CCtx_setParameter(context, ZSTD_c_compressionLevel, level);
+    ::ZSTD_CCtx_setParameter(context, ZSTD_c_checksumFlag, 1);
+    std::string out(::ZSTD_compressBound(text.size()), '\0');
+    out.resize(::ZSTD_compress2(context, out.data(), out.size(), text.data(), text.size()));
+    ::ZSTD_freeCCtx(context);
+    return out;
+}
+
+/// Reads `path` and expects the mesh of `text`, a PLY file.
+void expect_same_mesh(const InputPaths& inputs, const std::string& text) {
+    const test::TempDir dir;
+    const auto expected = open_mesh(dir.write("plain.ply", text));
+    const auto source = open_mesh(inputs);
+    const test::ReadBack a = test::read_all(*source, 2);
+    const test::ReadBack b = test::read_all(*expected, 1);
+    EXPECT_EQ(a.mesh.positions, b.mesh.positions);
+    EXPECT_EQ(a.mesh.triangles, b.mesh.triangles);
+    EXPECT_EQ(source->info().format, expected->info().format);
+}
+
+std::string refusal(const InputPaths& inputs, const OpenOptions& options = {}) {
+    try {
+        (void)open_mesh(inputs, options);
+    } catch (const Error& e) {
+        return e.what();
+    }
+    ADD_FAILURE() << "was not refused";
+    return {};
+}
+
+TEST(CompressedInput, IsReadAsWhatIsInside) {
+    const test::TempDir dir;
+    const std::string binary = test::ply_file(strip_of(70000, 0));
+    const std::string ascii = test::ply_file(strip_of(500, 0), {.format = "ascii"});
+    for (const std::string& text : {binary, ascii}) {
+        expect_same_mesh(dir.write("a", gzip(text)), text);
+        expect_same_mesh(dir.write("b", zstd(text)), text);
+    }
+}
+
+TEST(CompressedInput, MayConsistOfSeveralMembersOrFrames) {
+    const test::TempDir dir;
+    const std::string text = test::ply_file(strip_of(3000, 0));
+    const std::string head = text.substr(0, 1000);
+    const std::string tail = text.substr(1000);
+    expect_same_mesh(dir.write("a", gzip(head) + gzip(tail)), text);
+    expect_same_mesh(dir.write("b", gzip(text) + std::string(512, '\0')), text);
+    expect_same_mesh(dir.write("c", zstd(head) + zstd(tail, 19)), text);
+}
+
+TEST(CompressedInput, ThatIsCutShortOrDamagedIsRefusedWithItsPlace) {
+    const test::TempDir dir;
+    const std::string text = test::ply_file(strip_of(3000, 0));
+    for (const std::string& packed : {gzip(text), zstd(text)}) {
+        const auto cut = dir.write("cut", packed.substr(0, packed.size() / 2));
+        EXPECT_NE(refusal(cut).find("cut: byte " + std::to_string(packed.size() / 2)),
+                  std::string::npos)
+            << refusal(cut);
+        std::string damaged = packed;
+        for (std::size_t i = packed.size() / 2; i < packed.size() / 2 + 40; ++i) damaged[i] ^= 0x5a;
+        EXPECT_NE(refusal(dir.write("bad", damaged)).find("damaged"), std::string::npos);
+    }
+}
+
+TEST(CompressedInput, KeepsToTheLimitsAndSaysWhichOne) {
+    const test::TempDir dir;
+    const std::string text = test::ply_file(strip_of(70000, 0));
+    const auto packed = dir.write("a", zstd(text));
+    EXPECT_THROW((void)open_mesh(packed, {.max_temp_bytes = 100000}), OutOfDiskBudget);
+    EXPECT_NE(refusal(packed, {.max_temp_bytes = 100000}).find("--max-temp"), std::string::npos);
+    EXPECT_THROW((void)open_mesh(packed, {.memory_bytes = 17 << 20}), OutOfMemoryBudget);
+}
+
+TEST(CompressedInput, CountsTheUnpackedBytesAsItsOwn) {
+    const test::TempDir dir;
+    const std::string text = test::ply_file(strip_of(7000, 0));
+    EXPECT_EQ(open_mesh(dir.write("a", gzip(text)))->held_temp_bytes(), text.size());
+    EXPECT_EQ(open_mesh(dir.write("b", text))->held_temp_bytes(), 0U);
+}
+
+TEST(CompressedInput, InsideCompressedInputIsRefused) {
+    const test::TempDir dir;
+    const std::string text = test::ply_file(strip_of(70, 0));
+    EXPECT_NE(refusal(dir.write("a", gzip(zstd(text)))).find("twice"), std::string::npos);
+}
+
+TEST(PipedInput, IsReadToItsEnd) {
+    const test::TempDir dir;
+    const std::string text = test::ply_file(strip_of(70000, 0));
+    const auto pipe = dir.path() / "pipe";
+    ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+    std::thread writer([&] { std::ofstream(pipe, std::ios::binary) << text; });
+    const auto source = open_mesh(pipe);
+    writer.join();
+    EXPECT_EQ(test::read_all(*source, 2).mesh.triangles.size(), 70000U);
+    EXPECT_EQ(source->held_temp_bytes(), text.size());
+}
+
+TEST(SeveralInputs, AreOneModelInOrder) {
+    const test::TempDir dir;
+    const auto a = dir.write("tile_a.ply", test::ply_file(strip_of(20000, 0)));
+    const auto b =
+        dir.write("tile_b.ply", test::ply_file(strip_of(50000, 50), {.format = "ascii"}));
+    const auto other = dir.write("readme.txt", "no mesh");
+    const test::ReadBack first = test::read_all(*open_mesh(a), 1);
+    const test::ReadBack second = test::read_all(*open_mesh(b), 1);
+    const InputPaths listed(std::vector<std::filesystem::path>{a, b});
+    for (const InputPaths& inputs :
+         {listed, InputPaths(dir.path()), InputPaths(dir.path() / "tile_?.ply")}) {
+        const auto source = open_mesh(inputs);
+        EXPECT_EQ(source->info().n_vertices, 70004U);
+        EXPECT_EQ(source->info().n_faces, 70000U);
+        for (const unsigned n_threads : {1U, 4U}) {
+            const test::ReadBack all = test::read_all(*source, n_threads);
+            ASSERT_EQ(all.mesh.positions.size(), 70004U);
+            EXPECT_TRUE(std::equal(first.mesh.positions.begin(), first.mesh.positions.end(),
+                                   all.mesh.positions.begin()));
+            ASSERT_EQ(all.mesh.triangles.size(), 70000U);
+            EXPECT_EQ(all.mesh.triangles[19999], first.mesh.triangles[19999]);
+            const Triangle& t = second.mesh.triangles[49999];
+            EXPECT_EQ(all.mesh.triangles[69999],
+                      (Triangle{t[0] + 20002, t[1] + 20002, t[2] + 20002}));
+        }
+    }
+}
+
+TEST(SeveralInputs, GiveAnyRangeOfVertices) {
+    const test::TempDir dir;
+    std::vector<std::filesystem::path> files;
+    for (const std::size_t n : {3U, 1U, 40U}) {
+        files.push_back(dir.write(std::to_string(n) + ".ply",
+                                  test::ply_file(strip_of(n, 100.0 * static_cast<double>(n)))));
+    }
+    const auto source = open_mesh(files);
+    const test::ReadBack all = test::read_all(*source, 1);
+    ASSERT_TRUE(source->can_seek_vertices());
+    source->begin_vertices();
+    VertexBatch batch;
+    const std::uint64_t n = source->info().n_vertices;
+    for (std::uint64_t first = 0; first < n; ++first) {
+        for (std::uint64_t last = first + 1; last <= n; ++last) {
+            source->read_vertices(first, last - first, batch);
+            ASSERT_EQ(batch.first, first);
+            ASSERT_EQ(batch.positions.size(), last - first);
+            for (std::uint64_t v = first; v < last; ++v) {
+                ASSERT_EQ(batch.positions[v - first], all.mesh.positions[v]);
+            }
+        }
+    }
+}
+
+TEST(SeveralInputs, WithAndWithoutColoursAndIndicesGoTogether) {
+    const test::TempDir dir;
+    test::PlyMesh red = strip_of(2, 0);
+    red.colors.assign(4, {255, 0, 0, 255});
+    const auto a = dir.write("a.ply", test::ply_file(red));
+    const auto b = dir.write("b.ply", test::ply_file(strip_of(1, 0)));
+    const auto c = dir.write("c.stl", test::stl_file({{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}}, 1));
+    const auto source = open_mesh(std::vector<std::filesystem::path>{a, b, c});
+    EXPECT_TRUE(source->info().is_indexed);
+    const test::ReadBack all = test::read_all(*source, 1);
+    ASSERT_EQ(all.mesh.colors.size(), 10U);
+    EXPECT_EQ(all.mesh.colors[0], (Rgba16{65535, 0, 0, 65535}));
+    EXPECT_EQ(all.mesh.colors[9], (Rgba16{65535, 65535, 65535, 65535}));
+    EXPECT_EQ(all.mesh.triangles.back(), (Triangle{7, 8, 9}));
+    const auto soups = open_mesh(std::vector<std::filesystem::path>{c, c});
+    EXPECT_FALSE(soups->info().is_indexed);
+    EXPECT_EQ(test::read_all(*soups, 1).soup.size(), 2U);
+}
+
+TEST(SeveralInputs, ThatMatchNothingAreRefused) {
+    const test::TempDir dir;
+    EXPECT_THROW((void)open_mesh(dir.path() / "*.ply"), IoError);
+    EXPECT_THROW((void)open_mesh(dir.path()), IoError);
+    EXPECT_THROW((void)open_mesh(std::vector<std::filesystem::path>{}), InvalidArgument);
+}
+
+TEST(NamedFormat, DecidesWhatTheContentDoesNotTell) {
+    const test::TempDir dir;
+    const auto stl = dir.write("x", test::stl_file({{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}}, 7,
+                                                   std::string("\x01\x02 binary")));
+    EXPECT_NE(refusal(stl).find("not a mesh file"), std::string::npos);
+    EXPECT_EQ(open_mesh(stl, {.format = "stl"})->info().n_faces, 1U);
+    EXPECT_THROW((void)open_mesh(stl, {.format = "doc"}), InvalidArgument);
+}
+
+}  // namespace
+}  // namespace hewer
