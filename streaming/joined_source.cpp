@@ -17,10 +17,11 @@ constexpr Rgba16 kWhite{65535, 65535, 65535, 65535};
 
 class JoinedSource final : public MeshSource {
   public:
-    JoinedSource(std::vector<std::unique_ptr<MeshSource>> parts, std::string name)
+    JoinedSource(std::vector<std::unique_ptr<MeshSource>> parts, std::string name,
+                 std::string format)
         : parts_(std::move(parts)) {
         info_.name = std::move(name);
-        info_.format = parts_.front()->info().format;
+        info_.format = std::move(format);
         info_.is_indexed = parts_.front()->info().is_indexed;
         for (const auto& part : parts_) {
             const SourceInfo& p = part->info();
@@ -33,7 +34,6 @@ class JoinedSource final : public MeshSource {
             info_.has_normals |= p.has_normals;
             info_.has_colors |= p.has_colors;
             info_.has_alpha |= p.has_alpha;
-            if (p.format != info_.format) info_.format = "several formats";
             for (const std::string& what : p.ignored) {
                 if (std::find(info_.ignored.begin(), info_.ignored.end(), what) ==
                     info_.ignored.end()) {
@@ -41,7 +41,6 @@ class JoinedSource final : public MeshSource {
                 }
             }
         }
-        info_.format += ", " + std::to_string(parts_.size()) + " files";
     }
 
     [[nodiscard]] const SourceInfo& info() const override { return info_; }
@@ -176,8 +175,8 @@ class JoinedSource final : public MeshSource {
 }  // namespace
 
 std::unique_ptr<MeshSource> join_sources(std::vector<std::unique_ptr<MeshSource>> parts,
-                                         std::string name) {
-    return std::make_unique<JoinedSource>(std::move(parts), std::move(name));
+                                         std::string name, std::string format) {
+    return std::make_unique<JoinedSource>(std::move(parts), std::move(name), std::move(format));
 }
 
 }  // namespace hewer::streaming

@@ -13,8 +13,8 @@ namespace hewer::streaming {
 /// Vertices at equal places stay two: that clustering makes one of them is what closes the seams
 /// between tiles. If some parts have normals or colours, vertices of the others get no normal (0 0
 /// 0) and opaque white. Precondition: all parts are indexed, or all are soups; two or more.
-/// @param name  for messages about the whole.
+/// @param name, format  of the whole, for SourceInfo.
 std::unique_ptr<MeshSource> join_sources(std::vector<std::unique_ptr<MeshSource>> parts,
-                                         std::string name);
+                                         std::string name, std::string format);
 
 }  // namespace hewer::streaming

@@ -9,27 +9,23 @@
 #include "hewer/mesh_source.h"
 #include "ooc/file.h"
 #include "ooc/progress_part.h"
+#include "streaming/draco_arrays.h"
 #include "streaming/file_format.h"
+#include "streaming/gltf_reader.h"
 #include "streaming/joined_source.h"
 #include "streaming/mesh_import.h"
 #include "streaming/ply_header.h"
 #include "streaming/ply_reader.h"
 #include "streaming/stl_reader.h"
+#include "streaming/temporary_input.h"
 #include "streaming/unpack.h"
 
 namespace hewer {
 
 namespace {
 
+using streaming::beside;
 using streaming::FileFormat;
-
-/// What is left of the limit on temporary files.
-OpenOptions beside(OpenOptions options, std::uint64_t held_temp_bytes) {
-    if (options.max_temp_bytes != 0) {
-        options.max_temp_bytes -= std::min(options.max_temp_bytes - 1, held_temp_bytes);
-    }
-    return options;
-}
 
 std::unique_ptr<ooc::InputFile> open_input(const std::filesystem::path& path,
                                            const OpenOptions& options, const Hooks& hooks) {
@@ -68,12 +64,15 @@ std::unique_ptr<MeshSource> open_as(FileFormat format, std::unique_ptr<ooc::Inpu
         }
         case FileFormat::BinaryStl:
             return streaming::open_binary_stl(std::move(file), options.strict);
+        case FileFormat::Gltf:
+            return streaming::open_gltf(std::move(file), false, options);
+        case FileFormat::Glb:
+            return streaming::open_gltf(std::move(file), true, options);
+        case FileFormat::Draco:
+            return streaming::open_draco(std::move(file), options);
         case FileFormat::AsciiStl:
         case FileFormat::Obj:
         case FileFormat::Off:
-        case FileFormat::Gltf:
-        case FileFormat::Glb:
-        case FileFormat::Draco:
             break;
     }
     throw FormatError(file->path().string() + ": a format that is not read yet");
@@ -95,6 +94,13 @@ std::unique_ptr<MeshSource> open_file(const std::filesystem::path& path, const O
 
 std::string name_of(const std::vector<std::filesystem::path>& files) {
     return files.front().string() + " and " + std::to_string(files.size() - 1) + " more";
+}
+
+std::string format_of(const std::vector<std::unique_ptr<MeshSource>>& parts) {
+    const std::string& first = parts.front()->info().format;
+    const bool is_one = std::all_of(parts.begin(), parts.end(),
+                                    [&](const auto& p) { return p->info().format == first; });
+    return (is_one ? first : "several formats") + ", " + std::to_string(parts.size()) + " files";
 }
 
 /// Soups beside indexed meshes get indices.
@@ -128,7 +134,8 @@ std::unique_ptr<MeshSource> open_mesh(const InputPaths& inputs, const OpenOption
         held_temp_bytes += parts.back()->held_temp_bytes();
     }
     make_alike(parts, beside(options, held_temp_bytes), ooc::part_of(hooks, 1, 1));
-    return streaming::join_sources(std::move(parts), name_of(files));
+    std::string format = format_of(parts);
+    return streaming::join_sources(std::move(parts), name_of(files), std::move(format));
 }
 
 }  // namespace hewer

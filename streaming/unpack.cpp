@@ -16,7 +16,7 @@
 #include "hewer/error.h"
 #include "ooc/context.h"
 #include "ooc/io_error.h"
-#include "ooc/spill.h"
+#include "streaming/temporary_input.h"
 
 namespace hewer::streaming {
 
@@ -26,31 +26,6 @@ constexpr std::size_t kInBytes = 128 << 10;
 constexpr std::size_t kOutBytes = 1 << 20;
 // zlib's own state for decompression.
 constexpr std::uint64_t kZlibBytes = 64 << 10;
-
-/// A temporary file that grows at its end; together with the space that it is counted in.
-class Unpacked {
-  public:
-    explicit Unpacked(const OpenOptions& options) : holder_(std::make_shared<Holder>(options)) {}
-
-    void append(const void* data, std::size_t n_bytes) {
-        holder_->file.write_at(n_bytes_, data, n_bytes);
-        n_bytes_ += n_bytes;
-    }
-    std::unique_ptr<ooc::InputFile> finish(const std::filesystem::path& name) {
-        return std::make_unique<ooc::InputFile>(
-            std::shared_ptr<ooc::SpillFile>(holder_, &holder_->file), n_bytes_, name);
-    }
-
-  private:
-    struct Holder {
-        explicit Holder(const OpenOptions& options)
-            : space(options.temp_dir, options.max_temp_bytes), file(space) {}
-        ooc::SpillSpace space;
-        ooc::SpillFile file;
-    };
-    std::shared_ptr<Holder> holder_;
-    std::uint64_t n_bytes_ = 0;
-};
 
 ooc::ResourceLimits limits_of(const OpenOptions& options) {
     return {.memory_bytes = options.memory_bytes, .n_threads = 1};
@@ -108,7 +83,7 @@ std::unique_ptr<ooc::InputFile> unpack_gzip(const ooc::InputFile& file, const Op
     ooc::Context context(limits_of(options), hooks, {{"unpack", 1}});
     const auto memory =
         context.budget().reserve("decompression", kInBytes + kOutBytes + kZlibBytes);
-    Unpacked unpacked(options);
+    TemporaryInput unpacked(options);
     Feed feed(file, context);
     GzipStream z;
     std::vector<unsigned char> out(kOutBytes);
@@ -150,7 +125,7 @@ std::unique_ptr<ooc::InputFile> unpack_zstd(const ooc::InputFile& file, const Op
                                             const Hooks& hooks) {
     ooc::Context context(limits_of(options), hooks, {{"unpack", 1}});
     const auto memory = context.budget().reserve("decompression", kInBytes + kOutBytes);
-    Unpacked unpacked(options);
+    TemporaryInput unpacked(options);
     Feed feed(file, context);
     const std::unique_ptr<ZSTD_DStream, FreeZstd> z(::ZSTD_createDStream());
     if (!z) throw InternalError("zstd does not start");
@@ -211,7 +186,7 @@ std::unique_ptr<ooc::InputFile> spool_pipe(const std::filesystem::path& path,
             if (fd >= 0) ::close(fd);
         }
     } const close{is_standard ? -1 : fd};
-    Unpacked unpacked(options);
+    TemporaryInput unpacked(options);
     std::vector<unsigned char> bytes(kOutBytes);
     context.begin_stage("read", 0, "bytes");
     std::size_t used = 0;

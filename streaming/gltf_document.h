@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+/// A glTF document with its buffers where they lie: nothing of their content is in memory.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hewer/mesh_source.h"
+#include "ooc/file.h"
+#include "streaming/gltf_model.h"
+
+namespace hewer::streaming {
+
+/// A range of a file. No file: the buffer is only a stand-in for compressed data (the fallback of
+/// EXT_meshopt_compression).
+struct FileRange {
+    std::shared_ptr<const ooc::InputFile> file;
+    std::uint64_t offset = 0;
+    std::uint64_t n_bytes = 0;
+};
+
+struct GltfDocument {
+    std::string name;  ///< the path, for messages
+    gltf::Model model;
+    std::vector<FileRange> buffers;
+    std::uint64_t n_bytes = 0;          ///< of all files together
+    std::uint64_t held_temp_bytes = 0;  ///< of buffers that were unpacked
+    bool is_binary = false;             ///< GLB
+};
+
+/// Reads the document of a .gltf or .glb file. Buffers in other files are looked for beside it, by
+/// relative names only; those inside the JSON (data:) go to a temporary file.
+/// Memory: some 24 bytes for each byte of the JSON, while it is parsed; less afterwards.
+/// Throws: FormatError (path, what and where), IoError (a buffer's file is missing),
+/// OutOfMemoryBudget, OutOfDiskBudget.
+GltfDocument read_gltf(std::unique_ptr<ooc::InputFile> file, bool is_binary,
+                       const OpenOptions& options);
+
+/// The bytes of buffer view `index`. Throws FormatError if it is none, or reaches out of its
+/// buffer.
+FileRange buffer_view(const GltfDocument& document, std::int64_t index);
+
+}  // namespace hewer::streaming

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+/// glTF 2.0 and GLB.
+#pragma once
+
+#include <memory>
+
+#include "hewer/mesh_source.h"
+#include "ooc/file.h"
+
+namespace hewer::streaming {
+
+/// The triangles of all meshes that the nodes of the default scene place (all root nodes, if there
+/// is no scene; all meshes, if there are no nodes), each as often as it is placed, in the
+/// coordinates of the scene. Triangles, strips and fans; what is not carried is named in
+/// SourceInfo::ignored. Colours are those of the vertices times the base colour of the material.
+///
+/// Buffers are read where they lie; those of EXT_meshopt_compression and KHR_draco_mesh_compression
+/// are decoded to temporary files. Memory: the document while it is opened, a compressed piece at a
+/// time, and some 500 bytes for each placed primitive.
+/// Throws: FormatError, IoError, OutOfMemoryBudget, OutOfDiskBudget.
+std::unique_ptr<MeshSource> open_gltf(std::unique_ptr<ooc::InputFile> file, bool is_binary,
+                                      const OpenOptions& options);
+
+}  // namespace hewer::streaming
