@@ -113,6 +113,8 @@ Value parse_any(const OptionSpec& option, const std::string& text) {
         }
         case ValueType::Pair:
             return parse_pair(text);
+        case ValueType::Quantization:
+            return parse_quantization(text);
     }
     throw InternalError("value type without a parser");
 }

@@ -16,9 +16,9 @@
 
 namespace hewer::app {
 
-using Value =
-    std::variant<bool, std::uint64_t, double, std::string, std::vector<std::string>, Target,
-                 std::vector<Target>, Bounds, std::array<std::uint64_t, 2>, std::array<double, 2>>;
+using Value = std::variant<bool, std::uint64_t, double, std::string, std::vector<std::string>,
+                           Target, std::vector<Target>, Bounds, std::array<std::uint64_t, 2>,
+                           std::array<double, 2>, Quantization>;
 
 /// Reads `text` as the option says and checks its range and choices.
 /// Throws InvalidArgument: "--triangles: '0' is below 1".

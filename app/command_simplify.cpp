@@ -22,6 +22,10 @@ std::vector<PlannedOutput> plan_outputs(const Arguments& arguments, std::size_t 
     std::vector<PlannedOutput> outputs;
     for (std::size_t lod = 0; lod < n_lods; ++lod) {
         outputs.push_back({lod_path(output, lod, n_lods), "output"});
+        if (output.extension() == ".gltf") {
+            std::filesystem::path buffer = outputs.back().path;
+            outputs.push_back({buffer.replace_extension(".bin"), "buffer of the output"});
+        }
     }
     if (n_lods > 1) {
         std::filesystem::path list = output;
@@ -68,6 +72,10 @@ void print_summary(const SimplifyReport& r, bool is_reported) {
                   << ", " << format_bytes(lod.bytes) << " (" << lod.path << ")\n"
                   << "           no vertex moved farther than " << format_length(lod.error_bound)
                   << " (" << format_percent(lod.error_bound, diagonal) << " of the diagonal)";
+        if (lod.quantization > 0) {
+            std::cout << ",\n           " << format_length(lod.quantization)
+                      << " of it by quantisation";
+        }
         std::cout << '\n';
         if (lod.measured) print_measured(*lod.measured, diagonal);
         if (lod.lost.places != 0) {

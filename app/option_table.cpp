@@ -35,7 +35,7 @@ constexpr double kMostThreads = 1024;
 constexpr double kMostPixels = 32768;
 constexpr double kSmallest = std::numeric_limits<double>::denorm_min();
 
-constexpr std::string_view kMeshes = ".ply|.obj|.stl|.glb";
+constexpr std::string_view kMeshes = ".ply|.obj|.off|.stl|.glb|.gltf|.drc";
 constexpr std::string_view kFormats = "ply|stl|obj|off|gltf|glb|drc";
 constexpr std::string_view kFiles = "Files";
 constexpr std::string_view kTarget = "Target (exactly one)";
@@ -71,6 +71,13 @@ OptionSpec{"output", "OUTPUT", "", T::Path, kGenerate, "", "", 0, 0, ".ply", kFi
 OptionSpec{"output", "-o,--output", "OUTPUT", T::Path, kSimplify, "", "", 0, 0, kMeshes, kFiles, true,
     "Mesh to write; its extension names the format. With --lods name.ply becomes name_lod0.ply, "
     "name_lod1.ply, ... and name_lods.json."},
+OptionSpec{"ascii", "--ascii", "", T::Flag, kSimplify, "", "", 0, 0, "", kFiles, false,
+    "Write .ply as text."},
+OptionSpec{"quantize", "--quantize", "HOW", T::Quantization, kSimplify, "auto, bits, or model units", "=none; auto with Draco", 0, 0, "", kFiles, false,
+    "Positions of .glb, .gltf and .drc as integers: auto (a tenth of the result's own error), 14bit, or "
+    "a step such as 0.001. The rounding is part of the error bound that is reported."},
+OptionSpec{"compress", "--compress", "HOW", T::Choice, kSimplify, "", "none", 0, 0, "none|meshopt|draco", kFiles, false,
+    "Compression of .glb and .gltf. The result is then held in memory while it is written."},
 OptionSpec{"output", "-o,--output", "OUTPUT", T::Path, kRender, "", "", 0, 0, ".png", kFiles, true,
     "Picture to write."},
 OptionSpec{"force", "--force", "", T::Flag, kSimplify | kMeasure | kGenerate | kRender, "", "", 0, 0, "", kFiles, false,

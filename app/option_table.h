@@ -27,6 +27,7 @@ enum class ValueType {
     Box,
     Pixels,
     Pair,
+    Quantization,
 };
 
 struct OptionSpec {

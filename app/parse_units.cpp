@@ -238,4 +238,18 @@ std::array<double, 2> parse_pair(std::string_view text) {
     return {parse_number(parts[0]), parse_number(parts[1])};
 }
 
+Quantization parse_quantization(std::string_view text) {
+    if (text == "auto") return {Quantization::Kind::Auto, 0};
+    constexpr std::string_view kBit = "bit";
+    constexpr std::uint64_t kMostBits = 30;
+    if (text.size() > kBit.size() && text.ends_with(kBit)) {
+        const std::uint64_t bits = parse_count(text.substr(0, text.size() - kBit.size()));
+        if (bits < 1 || bits > kMostBits) refuse(text, "is not from 1bit to 30bit");
+        return {Quantization::Kind::Bits, static_cast<double>(bits)};
+    }
+    const double step = parse_number(text);
+    if (!(step > 0)) refuse(text, "is not a step above 0; write auto, 14bit or 0.001");
+    return {Quantization::Kind::Step, step};
+}
+
 }  // namespace hewer::app

@@ -42,4 +42,7 @@ std::array<std::uint64_t, 2> parse_pixels(std::string_view text);
 /// "30,20".
 std::array<double, 2> parse_pair(std::string_view text);
 
+/// "auto", "14bit" (1 to 30), or a step above 0 in model units: "0.001".
+Quantization parse_quantization(std::string_view text);
+
 }  // namespace hewer::app

@@ -52,6 +52,20 @@ const char* name_of(Target::Kind kind) {
     throw InternalError("target kind without a name");
 }
 
+Json to_value(const Quantization& q) {
+    switch (q.kind) {
+        case Quantization::Kind::None:
+            break;
+        case Quantization::Kind::Auto:
+            return "auto";
+        case Quantization::Kind::Bits:
+            return {{"bits", static_cast<std::uint64_t>(q.value)}};
+        case Quantization::Kind::Step:
+            return {{"step", q.value}};
+    }
+    return nullptr;
+}
+
 Json to_value(const Target& t) {
     Json json{{"kind", name_of(t.kind)}, {"value", t.value}};
     // A count reads as one, not as 250000.0.
@@ -113,6 +127,7 @@ Json to_value(const FitReport& r) {
     return {{"rounds", r.rounds},
             {"first_move", r.first_move},
             {"last_move", r.last_move},
+            {"distance", r.distance},
             {"held", r.held}};
 }
 
@@ -187,6 +202,7 @@ Json to_value(const LodReport& r) {
             {"vertices", r.vertices},
             {"bounds", to_value(r.bounds)},
             {"error_bound", r.error_bound},
+            {"quantization", r.quantization},
             {"lost_cells", r.lost_cells},
             {"lost", to_value(r.lost)},
             {"fit", to_value(r.fit)},
@@ -213,7 +229,8 @@ Json to_value(const Value& value) {
             using T = std::decay_t<decltype(v)>;
             if constexpr (std::is_same_v<T, std::vector<Target>>) {
                 return to_list(v);
-            } else if constexpr (std::is_same_v<T, Target> || std::is_same_v<T, Bounds>) {
+            } else if constexpr (std::is_same_v<T, Target> || std::is_same_v<T, Bounds> ||
+                                 std::is_same_v<T, Quantization>) {
                 return to_value(v);
             } else {
                 return v;

@@ -89,6 +89,12 @@ SimplifyOptions make_simplify_options(const Arguments& arguments) {
         options.fit_rounds = static_cast<unsigned>(arguments.get<std::uint64_t>("fit"));
     }
     if (arguments.command() == Command::Simplify) {
+        options.file.is_ascii = arguments.flag("ascii");
+        options.file.quantization = arguments.get<Quantization>("quantize");
+        const auto compress = arguments.get<std::string>("compress");
+        options.file.compression = compress == "meshopt" ? Compression::Meshopt
+                                   : compress == "draco" ? Compression::Draco
+                                                         : Compression::None;
         options.topology_report = arguments.flag("topology_report");
         if (arguments.is_given("drop_parts")) {
             options.drop_parts = arguments.get<Target>("drop_parts");

@@ -170,7 +170,9 @@ SimplifyReport simplify_to_distance(const InputPaths& input, const std::filesyst
                                         options.targets[0].kind == Target::Kind::RelativeError);
     if (!is_error) throw InvalidArgument("simplify_to_distance() takes one target, a distance");
     // A bad place for the output costs nothing.
-    const std::unique_ptr<MeshSink> sink = create_mesh_file(output, overwrite);
+    MeshFileOptions file = options.file;
+    file.overwrite = overwrite;
+    const std::unique_ptr<MeshSink> sink = create_mesh_file(output, file);
     const std::unique_ptr<Try> best = Search(input, options, hooks).run();
     best->mesh.write(*sink);
     SimplifyReport report = std::move(best->report);

@@ -50,6 +50,7 @@ class Fit {
 
     [[nodiscard]] const ooc::Spool<Vec3>& positions() const { return positions_; }
     [[nodiscard]] double last_move() const { return last_move_; }
+    [[nodiscard]] double distance() const { return distance_; }
     [[nodiscard]] std::uint64_t held() const { return held_; }
 
   private:
@@ -81,6 +82,7 @@ class Fit {
                 moves.append(own.moves);
                 distances.add(own.distances);
             });
+        distance_ = std::sqrt(distances.mean_square(1));
         const double common = kFar * std::sqrt(distances.mean_square(kCommonShare));
         pull_ = std::clamp(common, std::min(pull_, kLeastPull * samples_.spacing()), pull_);
         return moves;
@@ -133,6 +135,7 @@ class Fit {
     ooc::Spool<Vec3> positions_;
     double pull_;  // up to this distance
     double last_move_ = 0;
+    double distance_ = 0;
     std::uint64_t held_ = 0;
 };
 
@@ -150,6 +153,7 @@ ooc::Spool<StoredVertex> fit(ooc::Context& context, const MeshStore& mesh,
         if (i == 0) report.first_move = fit.last_move();
     }
     report.last_move = fit.last_move();
+    report.distance = fit.distance();
     report.held = fit.held();
     ooc::Spool<StoredVertex> result(context, "vertices");
     std::vector<StoredVertex> vertices;

@@ -51,6 +51,7 @@ FitReport LodChain::fit(unsigned rounds, double cell_size) {
                                 start_.finisher->first_cluster(), lost_cells(), rounds, report);
     report.first_move *= cell_size;
     report.last_move *= cell_size;
+    report.distance *= cell_size;
     return report;
 }
 

@@ -86,6 +86,12 @@ void LodOutput::write(const MeshStore& mesh, MeshSink& sink, LodReport& report) 
     header.has_alpha = format_.has_alpha;
     header.bounds = report.bounds;
     header.has_double_positions = format_.has_double_positions;
+    // Without a fit only the bound is known, which is some ten times the error.
+    constexpr double kShareOfBound = 0.1;
+    header.error =
+        report.fit.distance > 0 ? report.fit.distance : kShareOfBound * report.error_bound;
+    const ooc::Reservation held =
+        context_.budget().reserve("compressed output", sink.held_bytes(header));
     sink.begin(header);
     send_vertices(mesh, index, sink);
     send_faces(mesh, index, sink, report);

@@ -142,6 +142,8 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const Simp
         const std::unique_ptr<MeshSink> sink = sinks(i);
         output.write(chain.mesh(), *sink, lod);
         sink->finish();
+        lod.quantization = sink->displacement();
+        lod.error_bound += lod.quantization;
         lod.lost_cells = chain.lost_cells();
         lod.lost = chain.lost_places();
         lod.bytes = sink->bytes_written();

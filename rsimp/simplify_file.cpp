@@ -2,13 +2,16 @@
 /// simplify() from file to files, with the manifest of a LOD chain.
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <system_error>
 #include <utility>
 
 #include "hewer/simplify.h"
 #include "hewer/version.h"
 #include "ooc/file.h"
+#include "ooc/memory_budget.h"
 #include "ooc/progress_part.h"
+#include "ooc/units.h"
 #include "streaming/mesh_writer.h"
 
 namespace hewer {
@@ -42,10 +45,8 @@ std::string manifest(const SimplifyReport& report) {
     return root.dump(2) + "\n";
 }
 
-/// Throws InvalidArgument if what `target` asks for will not go into the format of `path`: now, not
-/// after hours of work. Does nothing where the target does not tell the size.
-void require_target_fits(const std::filesystem::path& path, const Target& target,
-                         const SourceInfo& info) {
+/// The least that `target` comes to; nothing where it does not tell the size.
+std::optional<SinkHeader> least_output(const Target& target, const SourceInfo& info) {
     // A run makes at least this share of a target that the input has enough triangles for.
     constexpr double kLeastShare = 0.99;
     // Closed surfaces have half a vertex a triangle, those with borders more; fewer than this only
@@ -65,7 +66,7 @@ void require_target_fits(const std::filesystem::path& path, const Target& target
             break;
         case Target::Kind::Error:
         case Target::Kind::RelativeError:
-            return;
+            return {};
     }
     SinkHeader header;
     header.n_triangles =
@@ -76,7 +77,24 @@ void require_target_fits(const std::filesystem::path& path, const Target& target
     header.has_normals = info.has_normals;
     header.has_colors = info.has_colors;
     header.has_alpha = info.has_alpha;
-    streaming::require_format_fits(path, header);
+    return header;
+}
+
+/// Throws OutOfMemoryBudget if an output that is held while it is written cannot be.
+void require_output_fits(const MeshSink& sink, const SinkHeader& least,
+                         const std::filesystem::path& path, const SimplifyOptions& options) {
+    const std::uint64_t limit =
+        options.memory_bytes != 0 ? options.memory_bytes : ooc::default_memory_limit();
+    // Beside it are windows of the mesh, and what the process itself takes.
+    constexpr std::uint64_t kBeside = ooc::MemoryBudget::kFixedBytes + (16 << 20);
+    const std::uint64_t needed = sink.held_bytes(least);
+    if (needed == 0 || needed + kBeside <= limit) return;
+    const std::string enough = std::to_string(((needed + kBeside) >> 20) + 1) + " MiB";
+    throw OutOfMemoryBudget(path.string() +
+                            ": a compressed output is held while it is written, "
+                            "which needs " +
+                            enough + "; the limit is " + ooc::format_bytes(limit) +
+                            "; raise --memory to " + enough + " or more, or leave out --compress");
 }
 
 void require_other_file(const std::filesystem::path& input, const std::filesystem::path& output) {
@@ -106,12 +124,16 @@ SimplifyReport simplify_to_files(MeshSource& source, const std::filesystem::path
     // their names together: a run that fails leaves no part of a chain, and none that is half new.
     ooc::OutputGroup outputs;
     std::vector<std::unique_ptr<MeshSink>> sinks;
+    MeshFileOptions file = options.file;
+    file.overwrite = overwrite;
     for (std::size_t i = 0; i < n; ++i) {
         const std::filesystem::path path = lod_path(output, i, n);
-        if (i < options.targets.size()) {
-            require_target_fits(path, options.targets[i], source.info());
-        }
-        sinks.push_back(streaming::create_mesh_file(path, overwrite, outputs));
+        std::optional<SinkHeader> least;
+        if (i < options.targets.size()) least = least_output(options.targets[i], source.info());
+        // Now, not after hours of work.
+        if (least) streaming::require_format_fits(path, *least);
+        sinks.push_back(streaming::create_mesh_file(path, file, outputs));
+        if (least) require_output_fits(*sinks.back(), *least, path, options);
     }
     std::unique_ptr<ooc::OutputFile> manifest_file;
     if (n > 1) {

@@ -31,8 +31,8 @@ class FileSink : public MeshSink {
     void add_points(std::span<const std::array<Vec3, 3>> triangles) final;
     void finish() final;
     /// The file then gets its name from group.publish(), after finish(). Before finish().
-    void publish_with(ooc::OutputGroup& group) { file_.publish_with(group); }
-    [[nodiscard]] std::uint64_t bytes_written() const final { return file_.bytes_written(); }
+    virtual void publish_with(ooc::OutputGroup& group) { file_.publish_with(group); }
+    [[nodiscard]] std::uint64_t bytes_written() const override { return file_.bytes_written(); }
 
   protected:
     /// Throws IoError as OutputFile does.
@@ -57,17 +57,19 @@ class FileSink : public MeshSink {
         char* out = begin;
         for (std::size_t i = 0; i < n; ++i) {
             if (out > last) {
-                file_.write(begin, static_cast<std::size_t>(out - begin));
+                data().write(begin, static_cast<std::size_t>(out - begin));
                 out = begin;
             }
             out = fill(i, out);
         }
-        file_.write(begin, static_cast<std::size_t>(out - begin));
+        data().write(begin, static_cast<std::size_t>(out - begin));
     }
 
     [[nodiscard]] const SinkHeader& header() const { return header_; }
     [[nodiscard]] const std::filesystem::path& path() const { return file_.path(); }
     ooc::OutputFile& file() { return file_; }
+    /// Where write_records() writes to.
+    virtual ooc::OutputFile& data() { return file_; }
 
     static constexpr std::size_t kBlockBytes = 64 << 10;
 

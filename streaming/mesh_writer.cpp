@@ -3,13 +3,17 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 #include <string_view>
 
 #include "hewer/error.h"
-#include "streaming/glb_writer.h"
+#include "streaming/drc_writer.h"
+#include "streaming/gltf_writer.h"
 #include "streaming/obj_writer.h"
+#include "streaming/off_writer.h"
 #include "streaming/ply_writer.h"
+#include "streaming/quantization.h"
 #include "streaming/stl_writer.h"
 
 namespace hewer {
@@ -18,18 +22,25 @@ namespace {
 
 struct Format {
     std::string_view extension;
-    std::unique_ptr<streaming::FileSink> (*create)(const std::filesystem::path&, bool);
+    std::unique_ptr<streaming::FileSink> (*create)(const std::filesystem::path&,
+                                                   const MeshFileOptions&);
     void (*require_fits)(const std::filesystem::path&, const SinkHeader&);
+    bool has_ascii;
+    bool has_quantization;
+    bool has_compression;
 };
 
-/// OBJ is text: it has no limits.
+/// Text has no limits.
 void accept(const std::filesystem::path& /*path*/, const SinkHeader& /*header*/) {}
 
-constexpr std::array<Format, 4> kFormats{{
-    {".ply", streaming::create_ply, streaming::require_ply_fits},
-    {".obj", streaming::create_obj, accept},
-    {".stl", streaming::create_stl, streaming::require_stl_fits},
-    {".glb", streaming::create_glb, streaming::require_glb_fits},
+constexpr std::array<Format, 7> kFormats{{
+    {".ply", streaming::create_ply, streaming::require_ply_fits, true, false, false},
+    {".obj", streaming::create_obj, accept, false, false, false},
+    {".off", streaming::create_off, accept, false, false, false},
+    {".stl", streaming::create_stl, streaming::require_stl_fits, false, false, false},
+    {".glb", streaming::create_gltf, streaming::require_glb_fits, false, true, true},
+    {".gltf", streaming::create_gltf, streaming::require_gltf_fits, false, true, true},
+    {".drc", streaming::create_drc, streaming::require_drc_fits, false, true, false},
 }};
 
 const Format& format_of(const std::filesystem::path& path) {
@@ -49,15 +60,40 @@ const Format& format_of(const std::filesystem::path& path) {
     throw InvalidArgument(text);
 }
 
+const Format& format_with(const std::filesystem::path& path, const MeshFileOptions& options) {
+    const Format& format = format_of(path);
+    const auto refuse = [&](const std::string& what) {
+        throw InvalidArgument(path.string() + ": " + std::string(format.extension) + what);
+    };
+    if (options.is_ascii && !format.has_ascii) refuse(" has no text variant; write .ply");
+    if (options.compression != Compression::None && !format.has_compression) {
+        refuse(" is not compressed; write .glb or .gltf, or .drc for Draco");
+    }
+    const Quantization& q = options.quantization;
+    if (q.kind == Quantization::Kind::None) return format;
+    if (!format.has_quantization) refuse(" is not quantised; write .glb, .gltf or .drc");
+    const bool is_drc = format.extension == ".drc" || options.compression == Compression::Draco;
+    const unsigned most = is_drc ? streaming::kMostDracoBits : streaming::kMostGltfBits;
+    if (q.kind == Quantization::Kind::Bits && !(q.value >= 1 && q.value <= most)) {
+        refuse(" takes 1 to " + std::to_string(most) + " bits a coordinate");
+    }
+    if (q.kind == Quantization::Kind::Step && !(q.value > 0 && std::isfinite(q.value))) {
+        refuse(": a step of quantisation is a positive length");
+    }
+    return format;
+}
+
 }  // namespace
 
-std::unique_ptr<MeshSink> create_mesh_file(const std::filesystem::path& path, bool overwrite) {
-    return format_of(path).create(path, overwrite);
+std::unique_ptr<MeshSink> create_mesh_file(const std::filesystem::path& path,
+                                           const MeshFileOptions& options) {
+    return format_with(path, options).create(path, options);
 }
 
 std::unique_ptr<MeshSink> streaming::create_mesh_file(const std::filesystem::path& path,
-                                                      bool overwrite, ooc::OutputGroup& group) {
-    std::unique_ptr<FileSink> sink = format_of(path).create(path, overwrite);
+                                                      const MeshFileOptions& options,
+                                                      ooc::OutputGroup& group) {
+    std::unique_ptr<FileSink> sink = format_with(path, options).create(path, options);
     sink->publish_with(group);
     return sink;
 }

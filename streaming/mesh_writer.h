@@ -14,8 +14,8 @@ class OutputGroup;
 namespace hewer::streaming {
 
 /// As hewer::create_mesh_file(), but the file gets its name from group.publish(), not in finish().
-std::unique_ptr<MeshSink> create_mesh_file(const std::filesystem::path& path, bool overwrite,
-                                           ooc::OutputGroup& group);
+std::unique_ptr<MeshSink> create_mesh_file(const std::filesystem::path& path,
+                                           const MeshFileOptions& options, ooc::OutputGroup& group);
 
 /// Throws InvalidArgument if the format of `path` cannot hold as many vertices and triangles with
 /// such attributes; what it says names one that can. The same check as in begin(), for those who

@@ -1,36 +1,21 @@
 // SPDX-License-Identifier: MIT
 #include "streaming/obj_writer.h"
 
-#include <charconv>
-#include <cmath>
 #include <string>
 
 #include "hewer/version.h"
 #include "streaming/file_sink.h"
 #include "streaming/position_precision.h"
+#include "streaming/put_text.h"
 
 namespace hewer::streaming {
 
 namespace {
 
-// The longest number, "-2.2250738585072014e-308", and its separator.
-constexpr std::size_t kNumberBytes = 25;
 // "v", three coordinates, three colours, a line end; "vn", three components, a line end.
 constexpr std::size_t kVertexBytes = 2 * (3 + 6 * kNumberBytes);
 // "f", three times "id//id".
-constexpr std::size_t kFaceBytes = 3 + 3 * (2 * 20 + 3);
-
-/// " " and the shortest text that reads back as `x`. Fixed notation for the sizes that meshes
-/// have, since not every reader of OBJ knows exponents: at most 24 characters from 1e-5 to 1e16.
-template <typename Float>
-char* put_number(char* out, Float x) {
-    const Float a = std::abs(x);
-    const bool is_plain = a == 0 || (a >= Float(1e-5) && a < Float(1e16));
-    *out++ = ' ';
-    return std::to_chars(out, out + kNumberBytes, x,
-                         is_plain ? std::chars_format::fixed : std::chars_format::scientific)
-        .ptr;
-}
+constexpr std::size_t kFaceBytes = 3 + 3 * (2 * kIdBytes + 3);
 
 /// " " and v / 65535 in five digits, trailing zeros left out.
 char* put_channel(char* out, std::uint16_t v) {
@@ -48,10 +33,6 @@ char* put_channel(char* out, std::uint16_t v) {
         digits %= unit;
     }
     return out;
-}
-
-char* put_id(char* out, std::uint64_t id) {
-    return std::to_chars(out, out + 20, id).ptr;
 }
 
 class ObjWriter final : public FileSink {
@@ -110,8 +91,9 @@ class ObjWriter final : public FileSink {
 
 }  // namespace
 
-std::unique_ptr<FileSink> create_obj(const std::filesystem::path& path, bool overwrite) {
-    return std::make_unique<ObjWriter>(path, overwrite);
+std::unique_ptr<FileSink> create_obj(const std::filesystem::path& path,
+                                     const MeshFileOptions& options) {
+    return std::make_unique<ObjWriter>(path, options.overwrite);
 }
 
 }  // namespace hewer::streaming

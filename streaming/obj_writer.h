@@ -14,6 +14,7 @@ namespace hewer::streaming {
 /// Blender read (five digits, which tell all 65536 steps apart; alpha has no place in it); `vn` and
 /// `f a//a` with normals. Streams: memory kFileSinkBytes. No limit on counts.
 /// Throws IoError as OutputFile does.
-std::unique_ptr<FileSink> create_obj(const std::filesystem::path& path, bool overwrite);
+std::unique_ptr<FileSink> create_obj(const std::filesystem::path& path,
+                                     const MeshFileOptions& options);
 
 }  // namespace hewer::streaming

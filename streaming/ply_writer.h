@@ -13,7 +13,8 @@ namespace hewer::streaming {
 /// [alpha] as uchar, the nearest of 256 steps. Faces: `list uchar int vertex_indices`, `list uchar
 /// uint` where ids reach 2^31. Streams: memory kFileSinkBytes.
 /// begin() throws what require_ply_fits() throws, IoError as OutputFile does.
-std::unique_ptr<FileSink> create_ply(const std::filesystem::path& path, bool overwrite);
+std::unique_ptr<FileSink> create_ply(const std::filesystem::path& path,
+                                     const MeshFileOptions& options);
 
 /// Throws InvalidArgument for more than 2^32 vertices: PLY has no larger integer.
 void require_ply_fits(const std::filesystem::path& path, const SinkHeader& header);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// Little-endian numbers into a byte buffer.
+/// Numbers into a byte buffer.
 #pragma once
 
 #include <bit>
+#include <cstdint>
 #include <cstring>
 #include <type_traits>
 
@@ -16,6 +17,12 @@ char* put_bytes(char* out, T value) {
                   "the formats are little endian; swap bytes here for another machine");
     std::memcpy(out, &value, sizeof value);
     return out + sizeof value;
+}
+
+/// 65535 / 255 = 257: the inverse of the widening in hewer/types.h, so that 8-bit colours come back
+/// as they were.
+inline std::uint8_t to_8_bits(std::uint16_t v) {
+    return static_cast<std::uint8_t>((v + 128U) / 257U);
 }
 
 }  // namespace hewer::streaming

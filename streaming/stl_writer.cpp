@@ -102,8 +102,9 @@ void require_stl_fits(const std::filesystem::path& path, const SinkHeader& heade
     require_float_range(header.bounds, path, "STL");
 }
 
-std::unique_ptr<FileSink> create_stl(const std::filesystem::path& path, bool overwrite) {
-    return std::make_unique<StlWriter>(path, overwrite);
+std::unique_ptr<FileSink> create_stl(const std::filesystem::path& path,
+                                     const MeshFileOptions& options) {
+    return std::make_unique<StlWriter>(path, options.overwrite);
 }
 
 }  // namespace hewer::streaming

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "hewer/mesh_sink.h"
 #include "hewer/types.h"
 
 namespace hewer {
@@ -82,6 +83,9 @@ struct SimplifyOptions {
 
     /// Of the input; see OpenOptions::format.
     std::string input_format{};
+    /// How simplify_to_files() writes; its own parameter says whether files are replaced.
+    MeshFileOptions file{};
+
     /// Bytes that the whole process may hold. 0: the control group's limit, else half of the
     /// machine.
     std::uint64_t memory_bytes = 0;

@@ -76,8 +76,10 @@ struct FeedbackReport {
 /// How far the vertices of an LOD were moved towards the original surface, after the collapse.
 struct FitReport {
     unsigned rounds = 0;
-    double first_move = 0;   ///< root mean square over the vertices in the first round, model units
-    double last_move = 0;    ///< the same in the last one
+    double first_move = 0;  ///< root mean square over the vertices in the first round, model units
+    double last_move = 0;   ///< the same in the last one
+    /// Root mean square of the distances of the samples before the last round, of those that pull.
+    double distance = 0;
     std::uint64_t held = 0;  ///< vertices that were not let in the last round, borders included
 };
 
@@ -113,8 +115,9 @@ struct LodReport {
     Bounds bounds;
     /// No original vertex is farther than this from the vertex that stands for it (model units),
     /// bar those counted in `lost_cells`. A bound on the distance from the LOD to the original and,
-    /// where nothing was lost, from the original to the LOD.
+    /// where nothing was lost, from the original to the LOD. What the format rounds is in it.
     double error_bound = 0;
+    double quantization = 0;  ///< most that quantised positions have moved by; part of the bound
     std::uint64_t lost_cells = 0;  ///< grid cells whose whole surface collapsed away (tiny parts)
     LostPlaces lost;               ///< where; with parts that fell between the cells
     FitReport fit;

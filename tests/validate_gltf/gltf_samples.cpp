@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// Writes one GLB file for each thing that a GLB file of ours can hold: gltf_samples FOLDER.
+/// Writes one file for each thing that a glTF file of ours can hold: gltf_samples FOLDER.
 #include <exception>
 #include <filesystem>
 #include <iostream>
 #include <string>
+#include <utility>
 
 #include "hewer/mesh_sink.h"
 #include "tests/unit/streaming/sample_mesh.h"
@@ -13,10 +14,25 @@ namespace {
 using hewer::Mesh;
 using hewer::tests::wavy_sheet;
 
+/// Plain, quantised, and compressed both ways; as one file and as two.
 void write(const std::filesystem::path& folder, const std::string& name, const Mesh& mesh) {
-    const std::filesystem::path path = folder / (name + ".glb");
-    hewer::tests::pour(mesh, *hewer::create_mesh_file(path, true));
-    std::cout << path.string() << '\n';
+    using hewer::Compression;
+    for (const char* extension : {".glb", ".gltf"}) {
+        for (const bool is_quantized : {false, true}) {
+            for (const auto& [word, compression] :
+                 {std::pair("", Compression::None), std::pair("_meshopt", Compression::Meshopt),
+                  std::pair("_draco", Compression::Draco)}) {
+                const std::filesystem::path path =
+                    folder / (name + (is_quantized ? "_14bit" : "") + word + extension);
+                hewer::MeshFileOptions options{.overwrite = true, .compression = compression};
+                if (is_quantized) {
+                    options.quantization = {hewer::Quantization::Kind::Bits, 14};
+                }
+                hewer::tests::pour(mesh, *hewer::create_mesh_file(path, options));
+                std::cout << path.string() << '\n';
+            }
+        }
+    }
 }
 
 void write_all(const std::filesystem::path& folder) {

@@ -4,6 +4,7 @@
 // gltf-validator (scripts/check-gltf sees to it).
 'use strict';
 
+const folder = require('path');
 const fs = require('fs');
 const validator = require('gltf-validator');
 
@@ -13,6 +14,8 @@ async function validate(path) {
     const report = await validator.validateBytes(new Uint8Array(fs.readFileSync(path)), {
         uri: path,
         maxIssues: 100,
+        externalResourceFunction: async (uri) => new Uint8Array(
+            fs.readFileSync(folder.resolve(folder.dirname(path), decodeURIComponent(uri)))),
     });
     const { numErrors, numWarnings, numInfos, numHints, messages, truncated } = report.issues;
     console.log(`${path}: ${numErrors} errors, ${numWarnings} warnings, ${numInfos} infos, ` +

@@ -48,7 +48,8 @@ class WriterFaults : public testing::TestWithParam<const char*> {
     std::filesystem::path path_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Formats, WriterFaults, testing::Values(".ply", ".obj", ".stl", ".glb"),
+INSTANTIATE_TEST_SUITE_P(Formats, WriterFaults,
+                         testing::Values(".ply", ".obj", ".off", ".stl", ".glb", ".drc"),
                          [](const auto& test) { return std::string(test.param + 1); });
 
 TEST_P(WriterFaults, MissingFolderIsNamedBeforeAnyWork) {
@@ -59,7 +60,7 @@ TEST_P(WriterFaults, MissingFolderIsNamedBeforeAnyWork) {
 
 TEST_P(WriterFaults, FolderInPlaceOfTheFileIsRefused) {
     std::filesystem::create_directory(path_);
-    EXPECT_THROW(create_mesh_file(path_, true), IoError);
+    EXPECT_THROW(create_mesh_file(path_, {.overwrite = true}), IoError);
 }
 
 TEST_P(WriterFaults, FolderThatCannotBeWrittenIsRefused) {
@@ -86,7 +87,7 @@ TEST_P(WriterFaults, ExistingFileNeedsOverwrite) {
     EXPECT_THROW(create_mesh_file(path_), IoError);
     EXPECT_EQ(tests::read_whole(path_), "mine");
     const Mesh mesh = wavy_sheet(5, 1, {0, 0, 0});
-    const auto sink = create_mesh_file(path_, true);
+    const auto sink = create_mesh_file(path_, {.overwrite = true});
     EXPECT_EQ(tests::read_whole(path_), "mine") << "before finish()";
     pour(mesh, *sink);
     EXPECT_GT(std::filesystem::file_size(path_), 100U);
@@ -105,7 +106,7 @@ TEST_P(WriterFaults, DestroyedSinkLeavesNothingAndTouchesNothing) {
     EXPECT_EQ(folder_.n_entries(), 0U);
     std::ofstream(path_) << "mine";
     {
-        const auto sink = create_mesh_file(path_, true);
+        const auto sink = create_mesh_file(path_, {.overwrite = true});
         sink->begin(header_of(mesh));
         sink->add_vertices({mesh.positions, mesh.normals, mesh.colors});
     }
@@ -155,7 +156,7 @@ TEST_P(WriterFaults, FileSizeLimitIsAnIoErrorAndLeavesTheOldFile) {
     small.rlim_cur = 100'000;
     ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
     const std::string text = message_of<IoError>([&] {
-        const auto sink = create_mesh_file(path_, true);
+        const auto sink = create_mesh_file(path_, {.overwrite = true});
         pour(mesh, *sink);
     });
     ::setrlimit(RLIMIT_FSIZE, &before);
@@ -172,7 +173,7 @@ TEST_P(WriterFaults, FullDiskIsAnIoErrorAndLeavesTheOldFile) {
     std::ofstream(path_) << "mine";
     const Mesh mesh = wavy_sheet(200, 1, {0, 0, 0});
     const std::string text = message_of<IoError>([&] {
-        const auto sink = create_mesh_file(path_, true);
+        const auto sink = create_mesh_file(path_, {.overwrite = true});
         pour(mesh, *sink);
     });
     EXPECT_TRUE(contains(text, "No space left")) << text;
@@ -186,7 +187,7 @@ TEST(CreateMeshFile, UnsupportedExtensionListsTheSupportedOnes) {
     for (const char* name : {"a.txt", "a.ply.gz", "a", ".ply", "a."}) {
         const std::string text =
             message_of<InvalidArgument>([&] { create_mesh_file(folder.path() / name); });
-        EXPECT_TRUE(contains(text, ".ply, .obj, .stl, .glb")) << text;
+        EXPECT_TRUE(contains(text, ".ply, .obj, .off, .stl, .glb, .gltf, .drc")) << text;
     }
     EXPECT_EQ(folder.n_entries(), 0U);
 }
@@ -201,7 +202,7 @@ TEST(FormatLimits, AreToldInBeginAndLeaveNothing) {
     many.n_vertices = 3;
     many.n_triangles = 1ULL << 32;
     EXPECT_TRUE(contains(refuse("a.stl", many), "4,294,967,295"));
-    EXPECT_TRUE(contains(refuse("a.glb", many), "write .ply instead"));
+    EXPECT_TRUE(contains(refuse("a.glb", many), "write .gltf or .ply instead"));
     many.n_triangles = 1;
     many.n_vertices = (1ULL << 32) + 1;
     EXPECT_TRUE(contains(refuse("a.ply", many), "4,294,967,296"));

@@ -7,7 +7,7 @@
 #include "hewer/error.h"
 #include "hewer/mesh_sink.h"
 #include "hewer/version.h"
-#include "streaming/glb_document.h"
+#include "streaming/gltf_text.h"
 #include "streaming/mesh_writer.h"
 #include "tests/support/temp_dir.h"
 #include "tests/unit/streaming/parsed_mesh.h"
@@ -286,7 +286,7 @@ TEST_F(Writers, ExtensionsAreReadWithoutRegardToCase) {
 
 TEST_F(Writers, SameMeshGivesTheSameBytes) {
     const Mesh mesh = wavy_sheet(20, 1000, kMap);
-    for (const std::string extension : {".ply", ".obj", ".stl", ".glb"}) {
+    for (const std::string extension : {".ply", ".obj", ".off", ".stl", ".glb", ".drc"}) {
         const std::string first = tests::read_whole(write(mesh, "a" + extension));
         std::filesystem::remove(folder_.path() / ("a" + extension));
         const auto sink = create_mesh_file(folder_.path() / ("a" + extension));
@@ -303,22 +303,25 @@ TEST_F(Writers, SameMeshGivesTheSameBytes) {
     }
 }
 
-TEST(GlbDocument, LongestOneFitsInThePlaceKeptForIt) {
-    streaming::GlbLayout layout;
+TEST(GltfText, LongestOneFitsInThePlaceKeptForIt) {
+    streaming::GltfLayout layout;
     layout.n_vertices = layout.n_triangles = 0xFFFFFFFF;
     layout.has_normals = layout.has_colors = layout.has_transparency = true;
-    layout.min.fill(-1.2345678e-38F);
-    layout.max.fill(-1.2345678e-38F);
+    layout.min.fill(-1.2345678901234567e-38);
+    layout.max.fill(-1.2345678901234567e-38);
     layout.translation.fill(-1.2345678901234567e-300);
-    EXPECT_LT(streaming::glb_document(layout).size(), 1300U);
-    EXPECT_LT(1300U, streaming::kGlbDocumentBytes);
+    for (const double step : {0.0, 1.2345678901234567e-300}) {
+        layout.step = step;
+        EXPECT_LT(streaming::gltf_text(layout).size(), 1600U);
+    }
+    EXPECT_LT(1600U, streaming::kGltfTextBytes);
 }
 
 TEST(RequireFormatFits, RefusesWhatBeginWouldRefuse) {
     SinkHeader header;
     header.n_vertices = 200'000'000;
     header.n_triangles = 400'000'000;
-    for (const char* name : {"a.ply", "a.obj", "a.stl"}) {
+    for (const char* name : {"a.ply", "a.obj", "a.off", "a.stl", "a.gltf", "a.drc"}) {
         EXPECT_NO_THROW(streaming::require_format_fits(name, header)) << name;
     }
     EXPECT_THROW(streaming::require_format_fits("a.glb", header), InvalidArgument);
@@ -362,7 +365,7 @@ TEST(StlPoints, AreForStlOnly) {
     const std::vector<std::array<Vec3, 3>> points(1);
     Mesh collected;
     std::vector<std::unique_ptr<MeshSink>> sinks;
-    for (const char* name : {"a.ply", "a.obj", "a.glb"}) {
+    for (const char* name : {"a.ply", "a.obj", "a.off", "a.glb", "a.gltf", "a.drc"}) {
         sinks.push_back(create_mesh_file(folder.path() / name));
     }
     sinks.push_back(collect_mesh(collected));
