@@ -12,6 +12,7 @@
 #include "ooc/memory_budget.h"
 #include "ooc/progress_part.h"
 #include "ooc/units.h"
+#include "rsimp/memory_model.h"
 #include "streaming/mesh_writer.h"
 
 namespace hewer {
@@ -80,16 +81,22 @@ std::optional<SinkHeader> least_output(const Target& target, const SourceInfo& i
     return header;
 }
 
+// What cannot be evicted while an LOD goes out, of its size: page tables and checksums of spools.
+constexpr std::uint64_t kShareOfWorking = 64;
+
 /// Throws OutOfMemoryBudget if an output that is held while it is written cannot be.
 void require_output_fits(const MeshSink& sink, const SinkHeader& least,
                          const std::filesystem::path& path, const SimplifyOptions& options) {
     const std::uint64_t limit =
         options.memory_bytes != 0 ? options.memory_bytes : ooc::default_memory_limit();
-    // Beside it are windows of the mesh, and what the process itself takes.
-    constexpr std::uint64_t kBeside = ooc::MemoryBudget::kFixedBytes + (16 << 20);
-    const std::uint64_t needed = sink.held_bytes(least);
-    if (needed == 0 || needed + kBeside <= limit) return;
-    const std::string enough = std::to_string(((needed + kBeside) >> 20) + 1) + " MiB";
+    const std::uint64_t held = sink.held_bytes(least);
+    if (held == 0) return;
+    // Beside it are windows of the mesh, pages of spools, and what the process itself takes.
+    constexpr std::uint64_t kBeside = ooc::MemoryBudget::kFixedBytes + (32 << 20);
+    const std::uint64_t needed =
+        held + held / kShareOfWorking + kBeside + rsimp::slack_bytes(2 * held);
+    if (needed <= limit) return;
+    const std::string enough = std::to_string((needed >> 20) + 1) + " MiB";
     throw OutOfMemoryBudget(path.string() +
                             ": a compressed output is held while it is written, "
                             "which needs " +
