@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include <array>
 #include <memory>
-#include <string>
-#include <string_view>
 
 #include "hewer/certify.h"
 #include "hewer/error.h"
@@ -11,25 +8,9 @@
 
 namespace hewer {
 
-namespace {
-
-/// Now, not after hours of work.
-void require_readable(const std::filesystem::path& output) {
-    constexpr std::array<std::string_view, 2> kReadable{".ply", ".stl"};
-    for (const std::string_view extension : kReadable) {
-        if (output.extension() == extension) return;
-    }
-    throw InvalidArgument(output.string() +
-                          ": cannot be measured, because hewer does not read this format; write "
-                          ".ply or .stl, or measure that instead");
-}
-
-}  // namespace
-
 SimplifyReport simplify_and_measure(const InputPaths& input, const std::filesystem::path& output,
                                     const SimplifyOptions& options, const Hooks& hooks,
                                     bool overwrite) {
-    require_readable(output);
     const std::unique_ptr<MeshSource> source = open_mesh(input, opening(options), hooks);
     SimplifyReport report = simplify_to_files(*source, output, options, hooks, overwrite);
     MeasureOptions how;

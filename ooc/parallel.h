@@ -8,7 +8,9 @@
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
+#include <atomic>
 #include <cstdint>
+#include <exception>
 #include <memory>
 #include <utility>
 
@@ -40,7 +42,8 @@ class Workers {
     }
 
     /// result = work(i) for i in [0, n) on all threads, at most `most_alive` results at once; then
-    /// commit(i, result) one after the other, in order.
+    /// commit(i, result) one after the other, in order. Of several exceptions, the first in that
+    /// order is thrown, after what comes before it is committed.
     template <typename Work, typename Commit>
     void in_order(std::uint64_t n, std::size_t most_alive, const Work& work, const Commit& commit) {
         if (n_threads_ == 1 || most_alive <= 1) {
@@ -54,27 +57,46 @@ class Workers {
         struct Item {
             std::uint64_t i;
             std::unique_ptr<Result> result;
+            std::exception_ptr error;
+        };
+        // No exception goes through the pipeline: it would leak the items that are under way.
+        std::exception_ptr error;
+        std::atomic<bool> has_failed{false};
+        const auto make = [&](std::uint64_t i) {
+            auto item = std::make_shared<Item>(Item{i, nullptr, nullptr});
+            try {
+                if (!has_failed) item->result = std::make_unique<Result>(work(i));
+            } catch (...) {
+                item->error = std::current_exception();
+            }
+            return item;
+        };
+        const auto take = [&](const std::shared_ptr<Item>& item) {
+            if (has_failed) return;
+            try {
+                if (item->error) std::rethrow_exception(item->error);
+                commit(item->i, *item->result);
+            } catch (...) {
+                error = std::current_exception();
+                has_failed = true;
+            }
         };
         std::uint64_t next = 0;
+        const auto number = [&](tbb::flow_control& control) {
+            if (next == n || has_failed) control.stop();
+            return next++;
+        };
+        using tbb::filter_mode;
         arena_.execute([&] {
             tbb::parallel_pipeline(
                 most_alive,
-                tbb::make_filter<void, std::uint64_t>(tbb::filter_mode::serial_in_order,
-                                                      [&](tbb::flow_control& control) {
-                                                          if (next == n) control.stop();
-                                                          return next++;
-                                                      }) &
-                    tbb::make_filter<std::uint64_t, std::shared_ptr<Item>>(
-                        tbb::filter_mode::parallel,
-                        [&](std::uint64_t i) {
-                            return std::make_shared<Item>(
-                                Item{i, std::make_unique<Result>(work(i))});
-                        }) &
-                    tbb::make_filter<std::shared_ptr<Item>, void>(
-                        tbb::filter_mode::serial_in_order, [&](const std::shared_ptr<Item>& item) {
-                            commit(item->i, *item->result);
-                        }));
+                tbb::make_filter<void, std::uint64_t>(filter_mode::serial_in_order, number) &
+                    tbb::make_filter<std::uint64_t, std::shared_ptr<Item>>(filter_mode::parallel,
+                                                                           make) &
+                    tbb::make_filter<std::shared_ptr<Item>, void>(filter_mode::serial_in_order,
+                                                                  take));
         });
+        if (error) std::rethrow_exception(error);
     }
 
     /// body() on the caller's thread, with the threads of this run for the parallel algorithms of

@@ -19,8 +19,11 @@ class BlockPool {
         Lease(BlockPool& pool, std::unique_ptr<Block> block)
             : pool_(pool), block_(std::move(block)) {}
         Lease(const Lease&) = delete;
+        Lease(Lease&&) noexcept = default;
         Lease& operator=(const Lease&) = delete;
+        Lease& operator=(Lease&&) = delete;
         ~Lease() {
+            if (!block_) return;
             const std::lock_guard lock(pool_.mutex_);
             pool_.free_.push_back(std::move(block_));
         }

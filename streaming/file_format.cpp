@@ -18,16 +18,11 @@ constexpr const char* kFormats =
     "hewer reads PLY, STL, OBJ, OFF, glTF, GLB and Draco, also compressed (.gz, .zst)";
 
 // Prefixes that name a format by themselves.
-constexpr std::array<std::pair<std::string_view, FileFormat>, 9> kOurs{{
+constexpr std::array<std::pair<std::string_view, FileFormat>, 4> kOurs{{
     {"ply\n", FileFormat::Ply},
     {"ply\r", FileFormat::Ply},
     {"glTF", FileFormat::Glb},
     {"DRACO", FileFormat::Draco},
-    {"OFF", FileFormat::Off},
-    {"COFF", FileFormat::Off},
-    {"NOFF", FileFormat::Off},
-    {"CNOFF", FileFormat::Off},
-    {"STOFF", FileFormat::Off},
 }};
 
 struct Signature {
@@ -68,6 +63,19 @@ bool is_text(std::string_view head) {
     });
 }
 
+/// The first line, without blanks around it, that is not empty; taken off `text`. Empty if there is
+/// none, or if it is cut by the end of the text.
+std::string_view next_line(std::string_view& text) {
+    for (;;) {
+        const std::size_t end = text.find_first_of("\r\n");
+        if (end == text.npos) return {};
+        std::string_view line = text.substr(0, end);
+        text.remove_prefix(end + 1);
+        line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+        if (!line.empty()) return line;
+    }
+}
+
 /// Whether the lines begin as those of an OBJ file do: at least one vertex or face, or a material
 /// library, and no stranger.
 bool is_obj(std::string_view head) {
@@ -75,25 +83,41 @@ bool is_obj(std::string_view head) {
                                                          "g",  "s",   "mtllib", "usemtl", "l", "p",
                                                          "mg", "lod", "usemap", "maplib"};
     bool has_vertex = false;
-    while (!head.empty()) {
-        const std::size_t end = head.find('\n');
-        if (end == head.npos) break;  // cut by the window, perhaps
-        std::string_view line = head.substr(0, end);
-        head.remove_prefix(end + 1);
-        line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
-        const std::string_view word = line.substr(0, line.find_first_of(" \t\r"));
-        if (word.empty() || word.front() == '#') continue;
-        if (std::find(kKeywords.begin(), kKeywords.end(), word) == kKeywords.end()) return false;
-        has_vertex = has_vertex || word == "v" || word == "f" || word == "mtllib";
+    bool is_continued = false;
+    for (std::string_view line = next_line(head); !line.empty(); line = next_line(head)) {
+        const std::string_view word = line.substr(0, line.find_first_of(" \t"));
+        if (!is_continued && word.front() != '#') {
+            if (std::find(kKeywords.begin(), kKeywords.end(), word) == kKeywords.end()) {
+                return false;
+            }
+            has_vertex = has_vertex || word == "v" || word == "f" || word == "mtllib";
+        }
+        is_continued = line.back() == '\\';
     }
     return has_vertex;
+}
+
+/// [ST][C][N][4][n]OFF, perhaps behind comments; counts may follow it at once.
+bool is_off(std::string_view head) {
+    std::string_view line = next_line(head);
+    while (!line.empty() && line.front() == '#') line = next_line(head);
+    const std::size_t off = line.find("OFF");
+    if (off == line.npos || line.find_first_not_of("STCN4n") < off) return false;
+    return line.size() == off + 3 || line.find_first_of(" \t#0123456789", off + 3) == off + 3;
+}
+
+/// Whether `word` stands somewhere in `text`, in small letters or capitals.
+bool has_word(std::string_view text, std::string_view word) {
+    return std::search(text.begin(), text.end(), word.begin(), word.end(), [](char a, char b) {
+               return std::tolower(static_cast<unsigned char>(a)) == b;
+           }) != text.end();
 }
 
 /// "solid", and further on a facet: many binary files begin with that word, too.
 bool is_ascii_stl(std::string_view head) {
     head.remove_prefix(std::min(head.find_first_not_of(" \t\r\n"), head.size()));
-    return head.substr(0, 5) == "solid" && is_text(head) &&
-           (head.find("facet") != head.npos || head.find("endsolid") != head.npos);
+    return has_word(head.substr(0, 5), "solid") && is_text(head) &&
+           (has_word(head, "facet") || has_word(head, "endsolid"));
 }
 
 /// What a file that no reader takes seems to be; empty if there is no telling.
@@ -121,11 +145,17 @@ bool has_stl_comment(std::string_view head) {
     return is_text(comment);
 }
 
+/// The first bytes of a file, without a byte order mark. Long comments at the beginning fit.
 struct Window {
-    std::array<char, 4096> bytes{};
+    std::vector<char> bytes;
     std::string_view head;
-    explicit Window(const ooc::InputFile& file)
-        : head(bytes.data(), file.read_at(0, bytes.data(), bytes.size())) {}
+    explicit Window(const ooc::InputFile& file) : bytes(64 << 10) {
+        head = std::string_view(bytes.data(), file.read_at(0, bytes.data(), bytes.size()));
+        constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+        if (head.substr(0, kByteOrderMark.size()) == kByteOrderMark) {
+            head.remove_prefix(kByteOrderMark.size());
+        }
+    }
 };
 
 struct Name {
@@ -176,6 +206,8 @@ FileFormat detect_format(const ooc::InputFile& file) {
     for (const auto& [prefix, format] : kOurs) {
         if (head.substr(0, prefix.size()) == prefix) return format;
     }
+    // Not only as text: the reader says that it does not take binary OFF.
+    if (is_off(head)) return FileFormat::Off;
     if (is_whole_binary_stl(file)) return FileFormat::BinaryStl;
     if (is_ascii_stl(head)) return FileFormat::AsciiStl;
     if (is_text(head)) {

@@ -121,7 +121,9 @@ class MeshImport::Source final : public MeshSource {
         for (std::uint64_t i = 0; i < n; ++i) {
             if (is_finite(batch.positions[i])) continue;
             if (batch.defects.nonfinite_vertices++ == 0) {
-                batch.defects.first_nonfinite = "vertex " + std::to_string(first + i);
+                const std::string& place = s_->defects.first_nonfinite;
+                batch.defects.first_nonfinite =
+                    !place.empty() ? place : "vertex " + std::to_string(first + i);
             }
         }
         return true;
@@ -203,7 +205,8 @@ class MeshImport::Source final : public MeshSource {
                                   std::to_string(s_->info.n_vertices));
             }
             if (batch.defects.out_of_range_triangles++ == 0) {
-                batch.defects.first_out_of_range = place;
+                const std::string& first_place = s_->defects.first_out_of_range;
+                batch.defects.first_out_of_range = !first_place.empty() ? first_place : place;
             }
         }
     }
@@ -289,8 +292,21 @@ void MeshImport::add_points(std::span<const SoupTriangle> triangles) {
     add_vertices({{triangles.front().data(), 3 * triangles.size()}, {}, {}});
 }
 
+void MeshImport::take_normals(ooc::Spool<Normal> normals) {
+    state_->normals = std::move(normals);
+}
+
+void MeshImport::take_colors(ooc::Spool<Rgba16> colors) {
+    state_->colors = std::move(colors);
+}
+
 std::unique_ptr<MeshSource> MeshImport::finish() {
     State& s = *state_;
+    const std::uint64_t n_vertices = s.positions.size();
+    if (!s.normals.empty()) {
+        append_or_fill(s.normals, {}, n_vertices - s.normals.size(), Normal{});
+    }
+    if (!s.colors.empty()) append_or_fill(s.colors, {}, n_vertices - s.colors.size(), kWhite);
     s.info.is_indexed = !s.is_soup;
     s.info.n_vertices = s.is_soup ? 0 : s.positions.size();
     s.info.n_faces = s.is_soup ? s.positions.size() / 3 : s.triangles.size();

@@ -57,8 +57,8 @@ class MeshImport {
     [[nodiscard]] bool is_strict() const;
 
     /// Counts and first places of the dirt that the reader itself leaves out or notes: short faces,
-    /// polygons, triangles of a soup that are not finite. Vertices that are not finite are counted
-    /// here, and indices by the source.
+    /// polygons, triangles of a soup that are not finite. Vertices that are not finite and indices
+    /// out of range are counted by the source; their first places are the reader's if it sets them.
     InputDefects& defects();
     /// What the reader does not carry, for SourceInfo::ignored; once each.
     void ignore(const std::string& what);
@@ -73,6 +73,12 @@ class MeshImport {
     void add_triangles(std::span<const Triangle> triangles);
     /// Of a soup; all finite. Not together with the other two.
     void add_points(std::span<const std::array<Vec3, 3>> triangles);
+
+    /// Normals, or colours, of the vertices in their order, for files where they become known apart
+    /// from the positions; a spool of context(). Vertices beyond its end have none. Not together
+    /// with normals, or colours, in add_vertices().
+    void take_normals(ooc::Spool<std::array<float, 3>> normals);
+    void take_colors(ooc::Spool<Rgba16> colors);
 
     /// Vertices that were added, to be looked up while others still come.
     [[nodiscard]] const ooc::Spool<Vec3>& positions() const;

@@ -9,11 +9,14 @@
 #include "hewer/mesh_source.h"
 #include "ooc/file.h"
 #include "ooc/progress_part.h"
+#include "streaming/ascii_stl_reader.h"
 #include "streaming/draco_arrays.h"
 #include "streaming/file_format.h"
 #include "streaming/gltf_reader.h"
 #include "streaming/joined_source.h"
 #include "streaming/mesh_import.h"
+#include "streaming/obj_reader.h"
+#include "streaming/off_reader.h"
 #include "streaming/ply_header.h"
 #include "streaming/ply_reader.h"
 #include "streaming/stl_reader.h"
@@ -52,7 +55,7 @@ std::unique_ptr<ooc::InputFile> unpack(std::unique_ptr<ooc::InputFile> file,
 }
 
 std::unique_ptr<MeshSource> open_as(FileFormat format, std::unique_ptr<ooc::InputFile> file,
-                                    const OpenOptions& options, const Hooks& /*hooks*/) {
+                                    const OpenOptions& options, const Hooks& hooks) {
     switch (format) {
         case FileFormat::Ply: {
             streaming::PlyHeader header = streaming::read_ply_header(*file);
@@ -71,11 +74,13 @@ std::unique_ptr<MeshSource> open_as(FileFormat format, std::unique_ptr<ooc::Inpu
         case FileFormat::Draco:
             return streaming::open_draco(std::move(file), options);
         case FileFormat::AsciiStl:
+            return streaming::open_ascii_stl(*file, options, hooks);
         case FileFormat::Obj:
+            return streaming::open_obj(*file, options, hooks);
         case FileFormat::Off:
-            break;
+            return streaming::open_off(*file, options, hooks);
     }
-    throw FormatError(file->path().string() + ": a format that is not read yet");
+    throw InternalError("an input format without a reader");
 }
 
 std::unique_ptr<MeshSource> open_file(const std::filesystem::path& path, const OpenOptions& asked,

@@ -11,7 +11,7 @@
 namespace hewer {
 
 /// simplify_file(), then measure_files() on each output: LodReport::measured. The outputs are read
-/// again, so they must be of a format that open_mesh() reads (.ply, .stl).
+/// again: what their formats round is measured, too.
 /// Throws what both of them throw; the outputs are there if it was the measuring that failed.
 SimplifyReport simplify_and_measure(const InputPaths& input, const std::filesystem::path& output,
                                     const SimplifyOptions& options, const Hooks& hooks = {},

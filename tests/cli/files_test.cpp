@@ -54,6 +54,36 @@ TEST(CliInput, that_is_cut_short_is_a_format_error) {
     EXPECT_EQ(dir.list(), (Names{"cut.ply", "whole.ply"}));
 }
 
+TEST(CliInput, that_is_text_gives_the_same_bytes_for_any_threads_and_memory) {
+    const ScratchDir dir;
+    write_hills(dir.file("in.ply"), 60);
+    const auto simplify = [&](const std::string& in, const std::string& out,
+                              const std::vector<std::string>& more) {
+        std::vector<std::string> args{"simplify", dir.file(in), "-o",         dir.file(out),
+                                      "--ratio",  "50%",        "--temp-dir", dir.path()};
+        args.insert(args.end(), more.begin(), more.end());
+        const Outcome outcome = run_program(args);
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+    };
+    simplify("in.ply", "a.obj", {});
+    simplify("a.obj", "b.ply", {"--threads", "1"});
+    simplify("a.obj", "c.ply", {"--threads", "4", "--memory", "64M"});
+    EXPECT_EQ(read_file(dir.file("b.ply")), read_file(dir.file("c.ply")));
+    EXPECT_EQ(dir.list(), (Names{"a.obj", "b.ply", "c.ply", "in.ply"}));
+}
+
+TEST(CliInput, that_is_text_with_a_bad_line_names_it) {
+    const ScratchDir dir;
+    write_file(dir.file("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 4\n");
+    EXPECT_EQ(run_program({"info", dir.file("a.obj")}).code, 0);
+    expect_error(run_program({"simplify", dir.file("a.obj"), "-o", dir.file("b.ply"), "--ratio",
+                              "50%", "--strict"}),
+                 3, "face 1 (line 5)");
+    write_file(dir.file("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 one 0\nf 1 2 3\n");
+    expect_error(run_program({"info", dir.file("a.obj")}), 3, "line 3: 'one' is not a number");
+    EXPECT_EQ(dir.list(), Names{"a.obj"});
+}
+
 TEST(CliOutput, that_exists_is_kept_without_force) {
     const ScratchDir dir;
     write_hills(dir.file("in.ply"), 20);

@@ -24,4 +24,15 @@ TEST(SpoolCache, GivesTheRecordsOfTheSpoolWhereverTheyAre) {
     }
 }
 
+TEST(SpoolCache, SeesWhatASpoolHasGrownBy) {
+    const auto context = test::make_context();
+    Spool<std::uint32_t> spool(*context, "numbers");
+    SpoolCache<std::uint32_t> cache(spool, 4);
+    for (std::uint32_t i = 0; i < 20000; ++i) {
+        spool.push(3 * i);
+        ASSERT_EQ(cache.at(i), 3 * i);
+        ASSERT_EQ(cache.at(i / 2), 3 * (i / 2));
+    }
+}
+
 }  // namespace hewer::ooc

@@ -25,6 +25,8 @@ struct Choice {
     bool keeps_order = true;   // of vertices
     bool keeps_offset = true;  // coordinates far from the origin
     double normal_error = 1e-6;
+    bool keeps_colors = true;  // and normals
+    bool keeps_alpha = true;
 };
 
 std::ostream& operator<<(std::ostream& out, const Choice& choice) {
@@ -42,6 +44,9 @@ std::vector<Choice> choices() {
     std::vector<Choice> all{
         {"ply", ".ply", {}},
         {"ply_ascii", ".ply", {.is_ascii = true}},
+        {"obj", ".obj", {}, true, true, 1e-6, true, false},
+        {"off", ".off", {}},
+        {"stl", ".stl", {}, false, false, 1e-6, false, false},
         {"drc", ".drc", {}, false, false, 0.01},
         {"drc_14bit", ".drc", {.quantization = kBits}, false, false, 0.01},
     };
@@ -100,6 +105,12 @@ class OutputChoices : public testing::TestWithParam<Choice> {
         const auto source = open_mesh(path);
         written.info = source->info();
         written.back = test::read_all(*source);
+        for (const auto& corners : written.back.soup) {
+            Mesh& m = written.back.mesh;
+            const std::uint64_t v = m.positions.size();
+            m.positions.insert(m.positions.end(), corners.begin(), corners.end());
+            m.triangles.push_back({v, v + 1, v + 2});
+        }
         std::uint64_t bytes = 0;
         for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
             bytes += entry.file_size();
@@ -164,15 +175,17 @@ TEST_P(OutputChoices, KeepNormalsColoursAndAlpha) {
     const Mesh mesh = tests::wavy_sheet(30, 2, {0.25, -0.5, 1}, 0x8080);
     const Written written = write(mesh);
     const Mesh& back = written.back.mesh;
+    EXPECT_EQ(written.info.has_alpha, GetParam().keeps_alpha);
+    EXPECT_EQ(written.info.has_colors, GetParam().keeps_colors);
+    if (!GetParam().keeps_colors) return;
     ASSERT_EQ(back.normals.size(), back.positions.size());
     ASSERT_EQ(back.colors.size(), back.positions.size());
-    EXPECT_TRUE(written.info.has_alpha);
     const std::vector<std::size_t> partner = partners(mesh, back);
     for (std::size_t v = 0; v < partner.size(); ++v) {
         for (std::size_t k = 0; k < 3; ++k) {
             EXPECT_NEAR(back.normals[v][k], mesh.normals[partner[v]][k], GetParam().normal_error);
         }
-        for (std::size_t k = 0; k < 4; ++k) {
+        for (std::size_t k = 0; k < (GetParam().keeps_alpha ? 4U : 3U); ++k) {
             EXPECT_EQ((back.colors[v][k] + 128) / 257, (mesh.colors[partner[v]][k] + 128) / 257);
         }
     }
