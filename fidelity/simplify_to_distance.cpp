@@ -169,6 +169,10 @@ SimplifyReport simplify_to_distance(const InputPaths& input, const std::filesyst
         options.targets.size() == 1 && (options.targets[0].kind == Target::Kind::Error ||
                                         options.targets[0].kind == Target::Kind::RelativeError);
     if (!is_error) throw InvalidArgument("simplify_to_distance() takes one target, a distance");
+    if (options.file.quantization.kind != Quantization::Kind::None) {
+        throw InvalidArgument(
+            "quantisation would come on top of the distance that is asked for; leave it out");
+    }
     // A bad place for the output costs nothing.
     MeshFileOptions file = options.file;
     file.overwrite = overwrite;

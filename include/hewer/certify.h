@@ -26,7 +26,8 @@ SimplifyReport simplify_and_measure(const InputPaths& input, const std::filesyst
 ///
 /// Passes: some ten runs of simplify() and measure(). Memory: theirs, and 46 bytes for each
 /// triangle of the result and of the try at hand.
-/// Throws: what simplify() and measure() throw; InvalidArgument if no budget is good enough.
+/// Throws: what simplify() and measure() throw; InvalidArgument if no budget is good enough, or
+/// with quantisation, which would come on top.
 SimplifyReport simplify_to_distance(const InputPaths& input, const std::filesystem::path& output,
                                     const SimplifyOptions& options, const Hooks& hooks = {},
                                     bool overwrite = false);

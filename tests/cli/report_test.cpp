@@ -112,8 +112,8 @@ TEST(CliReport, of_simplify_has_all_figures) {
     ASSERT_EQ(report["lods"].size(), 1U);
     const json& lod = report["lods"][0];
     EXPECT_EQ(keys_of(lod), (Keys{"path", "target", "target_triangles", "triangles", "vertices",
-                                  "bounds", "error_bound", "lost_cells", "lost", "fit", "topology",
-                                  "measured", "is_nested", "bytes"}));
+                                  "bounds", "error_bound", "quantization", "lost_cells", "lost",
+                                  "fit", "topology", "measured", "is_nested", "bytes"}));
     EXPECT_EQ(lod["target"], (json{{"kind", "triangles"}, {"value", 500}}));
     EXPECT_LE(lod["triangles"], 500);
     EXPECT_GE(lod["triangles"], 495);

@@ -43,6 +43,9 @@ class Certify : public testing::Test {
         options.memory_bytes = 1ULL << 30;
         return options;
     }
+    static double larger(const MeasureReport& r) {
+        return std::max(r.forward.maximum, r.backward.maximum);
+    }
     static double measured(const std::filesystem::path& a, const std::filesystem::path& b) {
         const MeasureReport r = measure_files(a, b);
         return std::max(r.forward.maximum, r.backward.maximum);
@@ -120,10 +123,25 @@ TEST_F(Certify, RefusesBeforeAnyWork) {
     EXPECT_THROW(simplify_to_distance(input, file("out.ply"), options), InvalidArgument);
     options.targets = {{Target::Kind::Triangles, 100}};
     EXPECT_THROW(simplify_to_distance(input, file("out.ply"), options), InvalidArgument);
-    EXPECT_THROW(simplify_and_measure(input, file("out.obj"), options), InvalidArgument);
+    options = within(0.01);
+    options.file.quantization = {Quantization::Kind::Auto, 0};
+    EXPECT_THROW(simplify_to_distance(input, file("out.glb"), options), InvalidArgument);
     EXPECT_THROW(simplify_to_distance(input, file("absent") / "out.ply", within(0.01)), IoError);
     EXPECT_FALSE(std::filesystem::exists(file("out.ply")));
-    EXPECT_FALSE(std::filesystem::exists(file("out.obj")));
+    EXPECT_FALSE(std::filesystem::exists(file("out.glb")));
+}
+
+TEST_F(Certify, MeasuresWhatTheFileHolds) {
+    const auto input = write(test::cube_sphere(20));
+    SimplifyOptions options = within(0.01);
+    options.targets = {{Target::Kind::Triangles, 600}};
+    const double exact =
+        larger(*simplify_and_measure(input, file("a.glb"), options).lods[0].measured);
+    options.file.quantization = {Quantization::Kind::Bits, 5};
+    const SimplifyReport coarse = simplify_and_measure(input, file("b.drc"), options);
+    EXPECT_GT(larger(*coarse.lods[0].measured), 1.2 * exact);
+    EXPECT_GT(coarse.lods[0].quantization, 0);
+    EXPECT_LE(larger(*coarse.lods[0].measured), exact + coarse.lods[0].quantization);
 }
 
 }  // namespace hewer
