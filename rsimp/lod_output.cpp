@@ -19,8 +19,6 @@ namespace hewer::rsimp {
 namespace {
 
 constexpr std::uint64_t kPiece = 1 << 13;  // vertices, and triangles, handed to a sink at once
-// A sink of ours, and pieces on their way to it.
-constexpr std::uint64_t kSinkBytes = 2 << 20;
 
 std::uint64_t n_pieces(std::uint64_t n, std::uint64_t piece) {
     return (n + piece - 1) / piece;

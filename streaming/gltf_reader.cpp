@@ -85,6 +85,7 @@ class Scene {
                               std::to_string(model_.meshes.size()) + " meshes and " +
                               std::to_string(model_.nodes.size()) + " nodes");
         }
+        drop_the_one_colour();
         if (placed_.size() == 1) placed_.front().name = document_.name;
         // What concerns all of them is told by one.
         placed_.front().n_bytes = document_.n_bytes;
@@ -101,6 +102,16 @@ class Scene {
 
   private:
     [[nodiscard]] std::string format() const { return document_.is_binary ? "GLB" : "glTF"; }
+
+    /// A colour that all of the scene has is its paint, and nothing for each vertex to carry.
+    void drop_the_one_colour() {
+        const std::array<double, 4> color = placed_.front().color_factor;
+        const bool is_one = std::all_of(placed_.begin(), placed_.end(), [&](const ArrayMesh& mesh) {
+            return mesh.colors.count == 0 && mesh.color_factor == color;
+        });
+        if (!is_one) return;
+        for (ArrayMesh& mesh : placed_) mesh.color_factor = {1, 1, 1, 1};
+    }
 
     void ignore(const std::string& what) {
         if (std::find(ignored_.begin(), ignored_.end(), what) == ignored_.end()) {

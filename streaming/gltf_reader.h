@@ -12,7 +12,8 @@ namespace hewer::streaming {
 /// The triangles of all meshes that the nodes of the default scene place (all root nodes, if there
 /// is no scene; all meshes, if there are no nodes), each as often as it is placed, in the
 /// coordinates of the scene. Triangles, strips and fans; what is not carried is named in
-/// SourceInfo::ignored. Colours are those of the vertices times the base colour of the material.
+/// SourceInfo::ignored. Colours are those of the vertices times the base colour of the material; a base
+/// colour that is the same for all of the scene makes none.
 ///
 /// Buffers are read where they lie; those of EXT_meshopt_compression and KHR_draco_mesh_compression
 /// are decoded to temporary files. Memory: the document while it is opened, a compressed piece at a

@@ -6,7 +6,10 @@
 #include <unistd.h>
 #include <zlib.h>
 #include <zstd.h>
+#include <zstd_errors.h>
 
+#include <algorithm>
+#include <bit>
 #include <cerrno>
 #include <span>
 #include <string>
@@ -16,6 +19,7 @@
 #include "hewer/error.h"
 #include "ooc/context.h"
 #include "ooc/io_error.h"
+#include "ooc/units.h"
 #include "streaming/temporary_input.h"
 
 namespace hewer::streaming {
@@ -129,8 +133,13 @@ std::unique_ptr<ooc::InputFile> unpack_zstd(const ooc::InputFile& file, const Op
     Feed feed(file, context);
     const std::unique_ptr<ZSTD_DStream, FreeZstd> z(::ZSTD_createDStream());
     if (!z) throw InternalError("zstd does not start");
-    // As much as the format's own tools do with --long=31; the budget below has the last word.
-    ::ZSTD_DCtx_setParameter(z.get(), ZSTD_d_windowLogMax, 31);
+    // A frame says how large a window it wants; one that does not fit is refused before it is made.
+    constexpr int kLeastLog = 10;
+    constexpr int kMostLog = 31;
+    const std::uint64_t available = context.budget().available();
+    const int most_log =
+        std::clamp(static_cast<int>(std::bit_width(available)) - 2, kLeastLog, kMostLog);
+    ::ZSTD_DCtx_setParameter(z.get(), ZSTD_d_windowLogMax, most_log);
     ooc::Reservation window;
     std::vector<unsigned char> out(kOutBytes);
     std::size_t hint = 1;  // 0: at the end of a frame
@@ -141,6 +150,17 @@ std::unique_ptr<ooc::InputFile> unpack_zstd(const ooc::InputFile& file, const Op
             ZSTD_outBuffer output{out.data(), out.size(), 0};
             const std::size_t consumed = input.pos;
             hint = ::ZSTD_decompressStream(z.get(), &output, &input);
+            if (::ZSTD_getErrorCode(hint) == ZSTD_error_frameParameter_windowTooLarge) {
+                const std::string enough = std::to_string((context.budget().used() >> 20) +
+                                                          (std::uint64_t{4} << most_log >> 20)) +
+                                           " MiB";
+                throw OutOfMemoryBudget(feed.place(input.size - input.pos) +
+                                        "the Zstandard data was compressed with a window that does "
+                                        "not fit the limit of " +
+                                        ooc::format_bytes(context.budget().limit()) +
+                                        "; raise --memory to " + enough +
+                                        " or more, or unpack it first");
+            }
             if (::ZSTD_isError(hint) != 0) {
                 throw FormatError(feed.place(input.size - input.pos) +
                                   "the Zstandard data is damaged (" + ::ZSTD_getErrorName(hint) +

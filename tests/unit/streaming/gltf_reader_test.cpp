@@ -177,14 +177,25 @@ TEST_F(GltfReader, TurnsLinearColoursOfAllTypesToThoseOfScans) {
     }
 }
 
-TEST_F(GltfReader, TakesTheColourOfTheMaterialWhereVerticesHaveNone) {
+TEST_F(GltfReader, TakesTheColoursOfMaterialsWhereVerticesHaveNone) {
     Square square;
-    square.glb.document["materials"] = {
+    Json& document = square.glb.document;
+    document["materials"] = {
         {{"pbrMetallicRoughness",
-          {{"baseColorFactor", {1, 0, 0, 1}}, {"baseColorTexture", {{"index", 0}}}}}}};
+          {{"baseColorFactor", {1, 0, 0, 1}}, {"baseColorTexture", {{"index", 0}}}}}},
+        {{"pbrMetallicRoughness", {{"baseColorFactor", {0, 0, 1, 1}}}}}};
+    Json second = square.primitive();
     square.primitive()["material"] = 0;
-    EXPECT_EQ(read(square.glb.glb()).mesh.colors[2], (Rgba16{65535, 0, 0, 65535}));
+    second["material"] = 1;
+    document["meshes"][0]["primitives"].push_back(second);
+    const test::ReadBack back = read(square.glb.glb());
+    EXPECT_EQ(back.mesh.colors[2], (Rgba16{65535, 0, 0, 65535}));
+    EXPECT_EQ(back.mesh.colors[6], (Rgba16{0, 0, 65535, 65535}));
     EXPECT_EQ(source_->info().ignored, std::vector<std::string>{"textures"});
+    // One paint for all is no property of vertices.
+    document["meshes"][0]["primitives"][1]["material"] = 0;
+    (void)read(square.glb.glb());
+    EXPECT_FALSE(source_->info().has_colors);
 }
 
 TEST_F(GltfReader, ReadsQuantisedAndInterleavedAttributes) {

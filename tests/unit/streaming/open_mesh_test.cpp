@@ -121,6 +121,17 @@ TEST(CompressedInput, KeepsToTheLimitsAndSaysWhichOne) {
     EXPECT_THROW((void)open_mesh(packed, {.memory_bytes = 17 << 20}), OutOfMemoryBudget);
 }
 
+TEST(CompressedInput, AsksForItsWindowBeforeItIsMade) {
+    const test::TempDir dir;
+    // The header of a frame with a window of 1 GiB, and a block of one byte.
+    const std::string large("\x28\xb5\x2f\xfd\x00\xa0\x09\x00\x00v", 10);
+    const auto path = dir.write("a", large);
+    EXPECT_THROW((void)open_mesh(path, {.memory_bytes = 512 << 20}), OutOfMemoryBudget);
+    EXPECT_NE(refusal(path, {.memory_bytes = 512 << 20}).find("raise --memory"), std::string::npos);
+    // Where it fits, the content is what is wrong.
+    EXPECT_THROW((void)open_mesh(path, {.memory_bytes = std::uint64_t{8} << 30}), FormatError);
+}
+
 TEST(CompressedInput, CountsTheUnpackedBytesAsItsOwn) {
     const test::TempDir dir;
     const std::string text = test::ply_file(strip_of(7000, 0));
