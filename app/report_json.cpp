@@ -99,6 +99,7 @@ Json to_value(const InputReport& r) {
     Json json{{"path", r.path},
               {"format", r.format},
               {"bytes", r.bytes},
+              {"opening_seconds", r.opening_seconds},
               {"vertices", r.vertices},
               {"faces", r.faces},
               {"triangles", r.triangles},

@@ -103,7 +103,7 @@ class Search {
         }
         if (!best_) refuse();
         best_->report.search = steps_;
-        best_->report.seconds = progress_.elapsed();
+        best_->report.seconds = source_->opening_seconds() + progress_.elapsed();
         return std::move(best_);
     }
 

@@ -164,7 +164,9 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const Simp
     report.temp_bytes_read = context.spill().bytes_read();
     report.peak_resident_bytes = ooc::peak_resident_bytes();
     report.result_hash = hex(output.hash());
+    report.input.opening_seconds = source.opening_seconds();
     report.seconds =
+        source.opening_seconds() +
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return report;
 }

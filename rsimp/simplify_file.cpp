@@ -161,7 +161,7 @@ SimplifyReport simplify_to_files(MeshSource& source, const std::filesystem::path
 SimplifyReport simplify_file(const InputPaths& input, const std::filesystem::path& output,
                              const SimplifyOptions& options, const Hooks& hooks, bool overwrite) {
     // Share of the time for an input that is imported, for progress.
-    constexpr double kImported = 0.3;
+    constexpr double kImported = 0.4;
     const std::size_t n = std::max<std::size_t>(1, options.targets.size());
     for (const std::filesystem::path& file : list_files(input)) {
         for (std::size_t i = 0; i < n; ++i) require_other_file(file, lod_path(output, i, n));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// From paths to one source: compressed data unpacked, the right reader, several files joined.
 #include <algorithm>
+#include <chrono>
 #include <memory>
 #include <string>
 #include <utility>
@@ -118,16 +119,8 @@ void make_alike(std::vector<std::unique_ptr<MeshSource>>& parts, const OpenOptio
     }
 }
 
-}  // namespace
-
-std::vector<std::string> input_formats() {
-    return streaming::format_names();
-}
-
-std::unique_ptr<MeshSource> open_mesh(const InputPaths& inputs, const OpenOptions& options,
-                                      const Hooks& hooks) {
-    const std::vector<std::filesystem::path> files = list_files(inputs);
-    if (files.empty()) throw InvalidArgument("no input is named");
+std::unique_ptr<MeshSource> open_files(const std::vector<std::filesystem::path>& files,
+                                       const OpenOptions& options, const Hooks& hooks) {
     if (files.size() == 1) return open_file(files.front(), options, hooks);
     std::vector<std::unique_ptr<MeshSource>> parts;
     std::uint64_t held_temp_bytes = 0;
@@ -141,6 +134,23 @@ std::unique_ptr<MeshSource> open_mesh(const InputPaths& inputs, const OpenOption
     make_alike(parts, beside(options, held_temp_bytes), ooc::part_of(hooks, 1, 1));
     std::string format = format_of(parts);
     return streaming::join_sources(std::move(parts), name_of(files), std::move(format));
+}
+
+}  // namespace
+
+std::vector<std::string> input_formats() {
+    return streaming::format_names();
+}
+
+std::unique_ptr<MeshSource> open_mesh(const InputPaths& inputs, const OpenOptions& options,
+                                      const Hooks& hooks) {
+    const auto start = std::chrono::steady_clock::now();
+    const std::vector<std::filesystem::path> files = list_files(inputs);
+    if (files.empty()) throw InvalidArgument("no input is named");
+    std::unique_ptr<MeshSource> source = open_files(files, options, hooks);
+    source->set_opening_seconds(
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    return source;
 }
 
 }  // namespace hewer

@@ -104,6 +104,13 @@ class MeshSource {
     /// against its own limits.
     [[nodiscard]] virtual std::uint64_t held_memory_bytes() const { return 0; }
     [[nodiscard]] virtual std::uint64_t held_temp_bytes() const { return 0; }
+
+    /// What open_mesh() took: imports, unpacking. 0 for sources that it did not make.
+    [[nodiscard]] double opening_seconds() const { return opening_seconds_; }
+    void set_opening_seconds(double seconds) { opening_seconds_ = seconds; }
+
+  private:
+    double opening_seconds_ = 0;
 };
 
 /// How to open inputs. The limits are for those that cannot be streamed where they lie: text,

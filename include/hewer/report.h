@@ -42,6 +42,7 @@ struct InputReport {
     std::string path;
     std::string format;
     std::uint64_t bytes = 0;
+    double opening_seconds = 0;   ///< for what is imported or unpacked first; part of the run's
     std::uint64_t vertices = 0;   ///< 0 for a soup
     std::uint64_t faces = 0;      ///< as the file has them
     std::uint64_t triangles = 0;  ///< after fanning polygons, dropped ones not counted
