@@ -275,8 +275,8 @@ class ArraySource final : public MeshSource {
         with_integer_type(mesh_.indices.type, [&](auto tag) {
             using T = typename decltype(tag)::Type;
             for (std::uint64_t i = 0; i < n; ++i) {
-                ids[i] =
-                    static_cast<std::uint64_t>(load<T, kSwap>(bytes + i * mesh_.indices.stride));
+                ids[i] = std::uint64_t{static_cast<std::make_unsigned_t<T>>(
+                    load<T, kSwap>(bytes + i * mesh_.indices.stride))};
             }
         });
         return ids;

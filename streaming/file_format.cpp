@@ -174,6 +174,7 @@ constexpr std::array<Name, 7> kNames{{{"ply", FileFormat::Ply},
 
 std::vector<std::string> format_names() {
     std::vector<std::string> names;
+    names.reserve(kNames.size());
     for (const Name& n : kNames) names.emplace_back(n.name);
     return names;
 }

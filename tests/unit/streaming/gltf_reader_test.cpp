@@ -19,13 +19,13 @@ namespace {
 using Json = nlohmann::json;
 using test::GlbBuilder;
 
-const std::vector<float> kSquare{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
+const std::vector<float> square_corners{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
 
 /// A square of two triangles; `mesh` in one node.
 struct Square {
     GlbBuilder glb;
     Square() {
-        const auto positions = glb.add_array(kSquare, 3, 5126);
+        const auto positions = glb.add_array(square_corners, 3, 5126);
         const auto indices = glb.add_array(std::vector<std::uint16_t>{0, 1, 2, 2, 1, 3}, 1, 5123);
         glb.document["meshes"] = {
             {{"primitives", {{{"attributes", {{"POSITION", positions}}}, {"indices", indices}}}}}};
@@ -203,7 +203,7 @@ TEST_F(GltfReader, ReadsQuantisedAndInterleavedAttributes) {
     std::vector<std::int16_t> values;
     for (std::size_t v = 0; v < 4; ++v) {
         for (std::size_t k = 0; k < 3; ++k) {
-            values.push_back(static_cast<std::int16_t>(32767.0F * kSquare[3 * v + k]));
+            values.push_back(static_cast<std::int16_t>(32767.0F * square_corners[3 * v + k]));
         }
         values.push_back(0);  // normal: four bytes, of which three count
         values.push_back(127);
@@ -243,7 +243,8 @@ TEST_F(GltfReader, PutsSparseAccessorsTogether) {
 TEST_F(GltfReader, DecodesMeshoptCompressedViews) {
     Square square;
     std::vector<unsigned char> packed(meshopt_encodeVertexBufferBound(4, 12));
-    packed.resize(meshopt_encodeVertexBuffer(packed.data(), packed.size(), kSquare.data(), 4, 12));
+    packed.resize(
+        meshopt_encodeVertexBuffer(packed.data(), packed.size(), square_corners.data(), 4, 12));
     const std::vector<std::uint32_t> ids{0, 1, 2, 2, 1, 3};
     std::vector<unsigned char> faces(meshopt_encodeIndexBufferBound(6, 4));
     faces.resize(meshopt_encodeIndexBuffer(faces.data(), faces.size(), ids.data(), 6));
@@ -313,6 +314,8 @@ TEST_F(GltfReader, IsTheSameForAnyNumberOfThreads) {
     GlbBuilder glb;
     std::vector<float> positions;
     std::vector<std::uint32_t> ids;
+    positions.reserve(210000);
+    ids.reserve(300000);
     std::mt19937 random(3);
     for (int v = 0; v < 70000; ++v) {
         for (int k = 0; k < 3; ++k) positions.push_back(static_cast<float>(random() % 1000));
@@ -334,7 +337,7 @@ TEST_F(GltfReader, IsTheSameForAnyNumberOfThreads) {
 
 TEST_F(GltfReader, CountsDirt) {
     Square square;
-    std::vector<float> positions = kSquare;
+    std::vector<float> positions = square_corners;
     positions[4] = std::numeric_limits<float>::quiet_NaN();
     square.primitive()["attributes"]["POSITION"] = square.glb.add_array(positions, 3, 5126);
     square.primitive()["indices"] =
