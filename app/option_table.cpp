@@ -114,7 +114,7 @@ OptionSpec{"border_weight", "--border-weight", "W", T::Number, kTargets, "", "30
     "Weight of open borders against the surface; 0 lets borders wander."},
 OptionSpec{"feedback", "--feedback", "N", T::CountOrOff, kTargets, "rounds, or off", "=2 with --method full, else off", 1, 20, "", kMethod, false,
     "Find the places where a first result is far from the input, and give them more triangles."},
-OptionSpec{"fit", "--fit", "N", T::CountOrOff, kTargets, "rounds, or off", "=4; off with --method uniform or --displacement", 1, 100, "", kMethod, false,
+OptionSpec{"fit", "--fit", "N", T::CountOrOff, kTargets, "rounds, or off", "=2, with --method full 4; off with --method uniform or --displacement", 1, 100, "", kMethod, false,
     "Move the vertices of the result, as a whole, towards the original surface."},
 OptionSpec{"certify", "--certify", "", T::Flag, kSimplify, "", "", 0, 0, "", kMethod, false,
     "Measure the distance of each result from the input, both ways, for the summary and the report."},

@@ -2,7 +2,9 @@
 #include "cluster/accumulate.h"
 
 #include <atomic>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -30,6 +32,7 @@ struct Corner {
     LatticePoint point;
     std::uint32_t cell;
 };
+static_assert(sizeof(Corner) == sizeof(Words));
 
 /// One worker's view of the pass.
 class Accumulator {
@@ -75,100 +78,84 @@ class Accumulator {
         return pending.sums;
     }
 
+    using Longs = std::uint64_t __attribute__((vector_size(32)));
+
+    /// A corner in lanes; the fourth, of the cell's number, is carried along and means nothing.
+    struct CornerLanes {
+        Reals point;   // lattice steps
+        Reals offset;  // from the cell's centre, in cells, truncated to 2^-52
+        Words whole;   // in 2^-border_bits cells, modulo 2^32, as all arithmetic on borders:
+                       // differences of them are right
+    };
+    HEWER_INLINE void load(const Corner& corner, CornerLanes& lanes) const {
+        constexpr double kInteger = 4503599627370496.0;  // 2^52: its low bits count units
+        Words words;
+        std::memcpy(&words, &corner, sizeof words);
+        const Longs wide = __builtin_convertvector(words, Longs);
+        lanes.point =
+            reinterpret_cast<Reals>(wide | std::bit_cast<std::uint64_t>(kInteger)) - kInteger;
+        const Longs place = wide * grid_.multiplier();
+        const unsigned fraction_bits = grid_.fraction_bits();
+        const Longs fraction = (place << (64 - fraction_bits)) >> 12;
+        lanes.offset = reinterpret_cast<Reals>(fraction | std::bit_cast<std::uint64_t>(1.0)) - 1.5;
+        lanes.whole = __builtin_convertvector(place >> (fraction_bits - fixed_.border_bits), Words);
+    }
+    /// Relative to the centre of the cell that the point is in.
+    HEWER_INLINE void relative_to_cell(const Words& whole, Words& relative) const {
+        const std::uint32_t unit = 1U << fixed_.border_bits;
+        relative = (whole & (unit - 1)) - unit / 2;
+    }
+
     /// Whether the triangle survives. Must not throw: GCC takes callers of clones for callers of
     /// functions that never do, and an exception would end the process.
     HEWER_VECTOR_CLONES bool add_to_cells(const std::array<Corner, 3>& t) noexcept {
         ++n_triangles;
-        const LatticePoint& p0 = t[0].point;
-        const LatticePoint& p1 = t[1].point;
-        const LatticePoint& p2 = t[2].point;
+        std::array<CornerLanes, 3> lanes;
+        for (std::size_t v = 0; v < 3; ++v) load(t[v], lanes[v]);
         const double step = grid_.step_in_cells();
-        const Vec3 cross2 = cross(difference(p1, p0, step), difference(p2, p0, step));
-        const double length = std::sqrt(dot(cross2, cross2));
+        const Reals edge1 = (lanes[1].point - lanes[0].point) * step;
+        const Reals edge2 = (lanes[2].point - lanes[0].point) * step;
+        Reals cross2;
+        cross_lanes(edge1, edge2, cross2);
+        const Reals squares = cross2 * cross2;
+        const double length = std::sqrt(squares[0] + squares[1] + squares[2]);
         const double area = 0.5 * length;
         const bool is_flat = !(length > 0);
         if (is_flat) ++n_degenerate;
-        const Vec3 normal = is_flat ? Vec3{} : (1 / length) * cross2;
+        const Reals normal = cross2 * (is_flat ? 0 : 1 / length);
         area_units += round_to_int(area * kAreaScale);
 
         const bool same01 = t[0].cell == t[1].cell;
         const bool same12 = t[1].cell == t[2].cell;
         if (same01 && same12) {
             CellContribution& sums = sums_of(t[0].cell);
-            const Vec3 a = offset(p0);
-            const Vec3 b = offset(p1);
-            const Vec3 c = offset(p2);
-            sums.add_plane(fixed_, normal, area, (1.0 / 3) * (a + b + c));
+            const WeightedPlane plane(fixed_, normal, area);
+            sums.add_plane(plane,
+                           (1.0 / 3) * (lanes[0].offset + lanes[1].offset + lanes[2].offset));
             // The border vectors of the three corners cancel; their moments come to twice
             // (b - a) x (c - a).
-            const auto qa = quantized(p0);
-            const auto qb = quantized(p1);
-            const auto qc = quantized(p2);
-            for (std::size_t i = 0; i < 3; ++i) {
-                const std::size_t j = (i + 1) % 3;
-                const std::size_t k = (i + 2) % 3;
-                sums.border[3 + i] +=
-                    2 * ((qb[j] - qa[j]) * (qc[k] - qa[k]) - (qb[k] - qa[k]) * (qc[j] - qa[j]));
-            }
+            Words moment;
+            cross_lanes(lanes[1].whole - lanes[0].whole, lanes[2].whole - lanes[0].whole, moment);
+            sums.add_border(Words{}, 2 * moment);
             if (with_face_normals_) add_face_normal(t[0].cell, normal, area);
             return false;
         }
-        // Whole coordinates, modulo 2^32: differences of them are right.
-        std::array<std::array<std::uint32_t, 3>, 3> whole;
-        for (std::size_t v = 0; v < 3; ++v) {
-            for (std::size_t i = 0; i < 3; ++i) {
-                whole[v][i] =
-                    static_cast<std::uint32_t>(grid_.quantized(t[v].point[i], fixed_.border_bits));
-            }
-        }
+        const WeightedPlane plane(fixed_, normal, area / 3);
         for (std::size_t v = 0; v < 3; ++v) {
             CellContribution& sums = sums_of(t[v].cell);
-            sums.add_plane(fixed_, normal, area / 3, offset(t[v].point));
-            const auto q = relative_to_cell(whole[v]);
+            sums.add_plane(plane, lanes[v].offset);
             // w - u for the corner v of (u, v, w)
-            std::array<std::uint32_t, 3> chord;
-            for (std::size_t i = 0; i < 3; ++i) {
-                chord[i] = whole[(v + 1) % 3][i] - whole[(v + 2) % 3][i];
-                sums.border[i] += chord[i];
-            }
-            for (std::size_t i = 0; i < 3; ++i) {
-                const std::size_t j = (i + 1) % 3;
-                const std::size_t k = (i + 2) % 3;
-                sums.border[3 + i] += q[j] * chord[k] - q[k] * chord[j];
-            }
+            const Words chord = lanes[(v + 1) % 3].whole - lanes[(v + 2) % 3].whole;
+            Words relative;
+            relative_to_cell(lanes[v].whole, relative);
+            Words moment;
+            cross_lanes(relative, chord, moment);
+            sums.add_border(chord, moment);
             if (with_face_normals_) add_face_normal(t[v].cell, normal, area / 3);
         }
         return !same01 && !same12 && t[0].cell != t[2].cell;
     }
-    static Vec3 difference(const LatticePoint& a, const LatticePoint& b, double step) {
-        Vec3 d;
-        for (std::size_t i = 0; i < 3; ++i) {
-            d[i] = static_cast<double>(static_cast<std::int64_t>(a[i]) -
-                                       static_cast<std::int64_t>(b[i])) *
-                   step;
-        }
-        return d;
-    }
-    [[nodiscard]] Vec3 offset(const LatticePoint& p) const {
-        return {grid_.offset(p[0]), grid_.offset(p[1]), grid_.offset(p[2])};
-    }
-    /// Place relative to the centre of the point's own cell, in 2^-border_bits cells; modulo 2^32,
-    /// as all arithmetic on borders.
-    [[nodiscard]] std::array<std::uint32_t, 3> relative_to_cell(
-        const std::array<std::uint32_t, 3>& whole) const {
-        const unsigned bits = fixed_.border_bits;
-        const auto mask = (1U << bits) - 1;
-        const auto half = (1U << bits) / 2;
-        return {(whole[0] & mask) - half, (whole[1] & mask) - half, (whole[2] & mask) - half};
-    }
-    [[nodiscard]] std::array<std::uint32_t, 3> quantized(const LatticePoint& p) const {
-        std::array<std::uint32_t, 3> whole;
-        for (std::size_t i = 0; i < 3; ++i) {
-            whole[i] = static_cast<std::uint32_t>(grid_.quantized(p[i], fixed_.border_bits));
-        }
-        return relative_to_cell(whole);
-    }
-    void add_face_normal(std::uint32_t cell, const Vec3& normal, double area) {
+    HEWER_INLINE void add_face_normal(std::uint32_t cell, const Reals& normal, double area) {
         AttributeSums& sums = table_.attributes(cell);
         std::uint32_t unshared = 0;
         const FieldLock lock(is_shared_ ? table_.sums(cell).lock : unshared);
@@ -185,7 +172,7 @@ class Accumulator {
     bool with_face_normals_;
     bool is_shared_;
     // The cells of a triangle are mostly those of the ones before: they are added up here first.
-    static constexpr std::uint32_t kPending = 16;
+    static constexpr std::uint32_t kPending = 64;
     std::array<Pending, kPending> pending_;
 };
 

@@ -133,7 +133,10 @@ CellBlocks build_cell_blocks(ooc::Context& context, const Lattice& lattice, cons
         (n_cells + kPiece - 1) / kPiece, 2 * context.n_threads(),
         [&](std::uint64_t p) {
             Piece piece;
-            for (std::uint64_t k = p * kPiece; k < std::min(n_cells, (p + 1) * kPiece); ++k) {
+            const std::uint64_t end = std::min(n_cells, (p + 1) * kPiece);
+            piece.cells.reserve(end - p * kPiece);
+            if (table.has_attributes()) piece.attributes.reserve(end - p * kPiece);
+            for (std::uint64_t k = p * kPiece; k < end; ++k) {
                 const std::uint32_t slot = order[k].slot;
                 piece.cells.push_back(make_record(table.sums(slot), fixed, border_weight));
                 if (table.has_attributes()) {

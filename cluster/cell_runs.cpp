@@ -106,15 +106,6 @@ void add_to(CellSums& sums, const RunCell& part) {
     sums.is_touched |= part.is_touched;
 }
 
-void add_to(AttributeSums& sums, const AttributeSums& part) {
-    for (std::size_t i = 0; i < 3; ++i) {
-        sums.normal[i] += part.normal[i];
-        sums.face_normal[i] += part.face_normal[i];
-    }
-    for (std::size_t i = 0; i < 4; ++i) sums.color[i] += part.color[i];
-    sums.n_colors += part.n_colors;
-}
-
 }  // namespace
 
 // Two buffers a run with attributes, and two levels that are merged at once.
@@ -225,7 +216,7 @@ void CellRuns::for_each_cell(const std::vector<Level>& levels, const Visit& visi
         CellSums sums{};
         AttributeSums attribute_sums{};
         while (!merger.empty() && merger.key() == code) {
-            if (has_attributes_) add_to(attribute_sums, *attribute_readers[merger.run()].next());
+            if (has_attributes_) attribute_sums += *attribute_readers[merger.run()].next();
             add_to(sums, merger.take());
         }
         visit(code, sums, attribute_sums);

@@ -51,6 +51,16 @@ struct AttributeSums {
     std::array<std::int64_t, 3> face_normal;  ///< FixedPoint::scale; area-weighted
     std::array<std::uint64_t, 4> color;
     std::uint64_t n_colors;
+
+    AttributeSums& operator+=(const AttributeSums& other) {
+        for (std::size_t i = 0; i < 3; ++i) {
+            normal[i] += other.normal[i];
+            face_normal[i] += other.face_normal[i];
+        }
+        for (std::size_t i = 0; i < 4; ++i) color[i] += other.color[i];
+        n_colors += other.n_colors;
+        return *this;
+    }
 };
 
 /// Spin lock on a field of a plain record; held for some dozen instructions.
@@ -76,25 +86,73 @@ inline std::int64_t round_to_int(double x) {
     return std::bit_cast<std::int64_t>(x + kRounding) - std::bit_cast<std::int64_t>(kRounding);
 }
 
-/// What one or several triangles add to a cell. The sums of the surface are computed four at a
-/// time, in the order of CellSums; scalars that are stored and then loaded as vectors stall.
-// A worker has a handful of them: padding costs nothing.
-class CellContribution {  // NOLINT(clang-analyzer-optin.performance.Padding)
-  public:
-    std::array<std::uint32_t, 6> border{};
+/// Four numbers that the compiler keeps in one or two registers: three coordinates and one more.
+/// Scalars that are stored and then loaded as vectors stall.
+using Reals = double __attribute__((vector_size(32)));
+using Ints = std::int64_t __attribute__((vector_size(32)));
+using Words = std::uint32_t __attribute__((vector_size(16)));
 
-    /// Adds a plane with unit normal n and area `weight` that passes through the points whose mean
-    /// is `at` (relative to the cell's centre, in cells).
-    HEWER_INLINE void add_plane(const FixedPoint& fixed, const Vec3& n, double weight,
-                                const Vec3& at) {
-        const double w = weight * fixed.scale;
-        const Vec3 wn{w * n[0], w * n[1], w * n[2]};
-        const double d = dot(n, at);
-        const double wd = -w * d;
-        add(0, Reals{wn[0], wn[0], wn[0], wn[1]}, Reals{n[0], n[1], n[2], n[1]});
-        add(1, Reals{wn[1], wn[2], wd, wd}, Reals{n[2], n[2], n[0], n[1]});
-        add(2, Reals{wd, wd, w, w}, Reals{n[2], -d, at[0], at[1]});
-        last_ += round_to_int(w * at[2]);
+/// Rounded; see round_to_int().
+HEWER_INLINE void round_to_ints(const Reals& x, Ints& result) {
+    result =
+        reinterpret_cast<Ints>(x + kRounding) - std::bit_cast<std::int64_t>(kRounding);  // NOLINT
+}
+
+/// Coordinates 1, 2, 0 of those 0, 1, 2.
+template <typename Lanes>
+HEWER_INLINE void rotate_up(const Lanes& a, Lanes& result) {
+    result = __builtin_shufflevector(a, a, 1, 2, 0, 3);
+}
+/// The cross product; lane 3 is what the lanes 3 come to.
+template <typename Lanes>
+HEWER_INLINE void cross_lanes(const Lanes& a, const Lanes& b, Lanes& result) {
+    Lanes up_a;
+    Lanes up_b;
+    rotate_up(a, up_a);
+    rotate_up(b, up_b);
+    const Lanes rotated = a * up_b - up_a * b;
+    rotate_up(rotated, result);
+}
+
+/// A plane with a unit normal and an area, as much of it as all corners of a triangle share.
+struct WeightedPlane {
+    HEWER_INLINE WeightedPlane(const FixedPoint& fixed, const Reals& unit_normal, double area)
+        : normal(unit_normal), weight(area * fixed.scale) {
+        const Reals& n = normal;
+        const Reals wn = weight * n;
+        round_to_ints(Reals{wn[0], wn[0], wn[0], wn[1]} * Reals{n[0], n[1], n[2], n[1]}, a);
+        yz = round_to_int(wn[1] * n[2]);
+        zz = round_to_int(wn[2] * n[2]);
+    }
+    Reals normal;  ///< lane 3 does not matter
+    Ints a;        ///< xx xy xz yy
+    std::int64_t yz;
+    std::int64_t zz;
+    double weight;
+};
+
+/// What one or several triangles add to a cell.
+class CellContribution {
+  public:
+    /// Adds a plane that passes through the points whose mean is `at` (relative to the cell's
+    /// centre, in cells; lane 3 does not matter).
+    HEWER_INLINE void add_plane(const WeightedPlane& plane, const Reals& at) {
+        a_ += plane.a;
+        yz_ += plane.yz;
+        zz_ += plane.zz;
+        const Reals along = plane.normal * at;
+        const double d = along[0] + along[1] + along[2];
+        Reals n_and_d = plane.normal;
+        n_and_d[3] = -d;
+        Ints rounded;
+        round_to_ints((-plane.weight * d) * n_and_d, rounded);
+        b_and_c_ += rounded;
+        round_to_ints(plane.weight * at, rounded);
+        moment_ += rounded;
+    }
+    HEWER_INLINE void add_border(const Words& chord, const Words& moment) {
+        chord_ += chord;
+        border_moment_ += moment;
     }
 
     void add_to(CellSums& sums, bool shared) const {
@@ -107,26 +165,26 @@ class CellContribution {  // NOLINT(clang-analyzer-optin.performance.Padding)
     }
 
   private:
-    using Reals = double __attribute__((vector_size(32)));
-    using Ints = std::int64_t __attribute__((vector_size(32)));
-    static constexpr std::size_t kLanes = 4;
-
-    /// Rounded products; see round_to_int().
-    HEWER_INLINE void add(std::size_t i, const Reals& a, const Reals& b) {
-        const Reals shifted = a * b + kRounding;
-        lanes_[i] += reinterpret_cast<Ints>(shifted) - std::bit_cast<std::int64_t>(kRounding);
-    }
     void add_unlocked(CellSums& sums) const {
-        for (std::size_t v = 0; v < lanes_.size(); ++v) {
-            for (std::size_t i = 0; i < kLanes; ++i) sums.surface[kLanes * v + i] += lanes_[v][i];
+        for (std::size_t i = 0; i < 4; ++i) sums.surface[i] += a_[i];
+        sums.surface[4] += yz_;
+        sums.surface[5] += zz_;
+        for (std::size_t i = 0; i < 4; ++i) sums.surface[6 + i] += b_and_c_[i];
+        for (std::size_t i = 0; i < 3; ++i) sums.surface[10 + i] += moment_[i];
+        for (std::size_t i = 0; i < 3; ++i) {
+            sums.border[i] += chord_[i];
+            sums.border[3 + i] += border_moment_[i];
         }
-        sums.surface.back() += last_;
-        for (std::size_t i = 0; i < border.size(); ++i) sums.border[i] += border[i];
         sums.is_touched = 1;
     }
 
-    std::array<Ints, 3> lanes_{};
-    std::int64_t last_ = 0;
+    Ints a_{};
+    Ints b_and_c_{};
+    Ints moment_{};  // lane 3 means nothing, here and below
+    Words chord_{};
+    Words border_moment_{};
+    std::int64_t yz_ = 0;
+    std::int64_t zz_ = 0;
 };
 
 }  // namespace hewer::cluster

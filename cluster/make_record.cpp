@@ -60,8 +60,8 @@ CellRecord make_record(const CellSums& sums, const FixedPoint& fixed, double bor
     for (std::size_t i = 0; i < 3; ++i) {
         const double exact = area > 0 ? std::clamp(value(10 + i) / area, -0.5, 0.5) : 0;
         mean[i] = std::clamp(exact, -CellRecord::kMostOffset, CellRecord::kMostOffset);
-        const auto beyond =
-            static_cast<std::int32_t>(std::lround((exact - mean[i]) / CellRecord::kBeyondStep));
+        const auto beyond = static_cast<std::int32_t>(
+            round_to_int((exact - mean[i]) * (1 / CellRecord::kBeyondStep)));
         record.flags |= static_cast<std::uint32_t>(beyond + (1 << (CellRecord::kBeyondBits - 1)))
                         << (CellRecord::kBeyondBits * i);
     }

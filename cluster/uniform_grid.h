@@ -57,6 +57,10 @@ class UniformGrid {
     [[nodiscard]] std::int64_t quantized(std::uint32_t x, unsigned bits) const {
         return static_cast<std::int64_t>((x * multiplier_) >> (fraction_bits_ - bits));
     }
+    /// A coordinate times this has the cell above bit fraction_bits(), 62 at most, and the place in
+    /// it below; for who computes several at once.
+    [[nodiscard]] std::uint64_t multiplier() const { return multiplier_; }
+    [[nodiscard]] unsigned fraction_bits() const { return fraction_bits_; }
     [[nodiscard]] CellKey key(const LatticePoint& p) const {
         return static_cast<CellKey>(cell(p[0])) | static_cast<CellKey>(cell(p[1])) << 21 |
                static_cast<CellKey>(cell(p[2])) << 42;

@@ -67,6 +67,15 @@ class VertexPages {
         return n_pages * kPageVertices > kMostPerTriangle * n_triangles;
     }
 
+    /// The cell of a vertex, kUnknown, or CellTable::kNone for one that is not finite, where all
+    /// vertices are in memory; else kUnknown. Call under an Admission of the table, while no View
+    /// is in use.
+    [[nodiscard]] std::uint32_t slot_of(std::uint64_t vertex) const {
+        const Page& page = pages_[vertex >> kPageBits];
+        if (source_ != nullptr || page.epoch != table_->epoch()) return kUnknown;
+        return page.slots[vertex & (kPageVertices - 1)];
+    }
+
     /// One worker's pages of the present batch.
     class View {
       public:

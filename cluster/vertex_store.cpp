@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "cluster/vertex_store.h"
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <map>
@@ -43,6 +44,47 @@ void add_vertex(const VertexBatch& batch, std::uint64_t i, AttributeSums& sums) 
         }
     }
 }
+
+/// One worker's view of the pass over the attributes. Vertices near each other in the file are so
+/// in space: what goes to one cell is added up first, since another worker may be at the cells
+/// beside it, in the same cache lines.
+class AttributeAccumulator {
+  public:
+    AttributeAccumulator(CellTable& table, bool is_shared) : table_(table), is_shared_(is_shared) {}
+
+    void add(std::uint32_t slot, const VertexBatch& batch, std::uint64_t i) {
+        Pending& pending = pending_[slot % kPending];
+        if (pending.slot != slot) {
+            empty(pending);
+            pending.slot = slot;
+        }
+        add_vertex(batch, i, pending.sums);
+    }
+    /// Before an Admission ends.
+    void flush() {
+        for (Pending& pending : pending_) empty(pending);
+    }
+
+  private:
+    struct Pending {
+        std::uint32_t slot = CellTable::kNone;
+        AttributeSums sums{};
+    };
+    void empty(Pending& pending) {
+        if (pending.slot == CellTable::kNone) return;
+        {
+            std::uint32_t unshared = 0;
+            const FieldLock lock(is_shared_ ? table_.sums(pending.slot).lock : unshared);
+            table_.attributes(pending.slot) += pending.sums;
+        }
+        pending = {};
+    }
+
+    CellTable& table_;
+    bool is_shared_;
+    static constexpr std::uint32_t kPending = 64;
+    std::array<Pending, kPending> pending_;
+};
 
 }  // namespace
 
@@ -202,29 +244,40 @@ ooc::Spool<LatticePoint> spool_vertices(ooc::Context& context, MeshSource& sourc
 }
 
 void add_vertex_attributes(ooc::Context& context, MeshSource& source, const Lattice& lattice,
-                           const UniformGrid& grid, CellTable& table) {
-    const bool is_shared = context.n_threads() > 1;
+                           const UniformGrid& grid, CellTable& table, const VertexPages* pages) {
     const std::uint64_t n_admitted = table.share();
-    const auto add_range = [&](const VertexBatch& batch, std::uint64_t first, std::uint64_t last) {
-        const CellTable::Admission admission(table, last - first);
-        CellKey last_key = ~0ULL;  // no key: keys have 63 bits
-        std::uint32_t slot = 0;
-        for (std::uint64_t i = first; i < last; ++i) {
-            if (!is_finite(batch.positions[i])) continue;
-            const CellKey key = grid.key(lattice.encode(batch.positions[i]));
-            if (key != last_key) slot = table.find_or_insert(last_key = key);
-            std::uint32_t unshared = 0;
-            const FieldLock lock(is_shared ? table.sums(slot).lock : unshared);
-            add_vertex(batch, i, table.attributes(slot));
-        }
-    };
     source.begin_vertices();
     context.workers().on_each([&](unsigned) {
+        AttributeAccumulator accumulator(table, context.n_threads() > 1);
         VertexBatch batch;
+        std::vector<std::uint64_t> unknown;
+        const auto add_known = [&](std::uint64_t begin, std::uint64_t end) {
+            const CellTable::Admission admission(table, 0);
+            for (std::uint64_t i = begin; i < end; ++i) {
+                const std::uint32_t slot =
+                    pages != nullptr ? pages->slot_of(batch.first + i) : VertexPages::kUnknown;
+                if (slot == VertexPages::kUnknown) {
+                    if (is_finite(batch.positions[i])) unknown.push_back(i);
+                } else if (slot != CellTable::kNone) {
+                    accumulator.add(slot, batch, i);
+                }
+            }
+            accumulator.flush();
+        };
+        const auto add_unknown = [&] {
+            const CellTable::Admission admission(table, unknown.size());
+            for (const std::uint64_t i : unknown) {
+                const CellKey key = grid.key(lattice.encode(batch.positions[i]));
+                accumulator.add(table.find_or_insert(key), batch, i);
+            }
+            accumulator.flush();
+            unknown.clear();
+        };
         while (source.next_vertices(batch)) {
             const std::uint64_t n = batch.positions.size();
             for (std::uint64_t i = 0; i < n; i += n_admitted) {
-                add_range(batch, i, std::min(n, i + n_admitted));
+                add_known(i, std::min(n, i + n_admitted));
+                if (!unknown.empty()) add_unknown();
             }
             context.advance(n);
         }

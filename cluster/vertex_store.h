@@ -14,6 +14,8 @@
 
 namespace hewer::cluster {
 
+class VertexPages;
+
 /// The box of all finite vertices (corners, for a soup): one pass over the vertices (triangles).
 /// Defects met on the way are merged into `defects`. Throws FormatError if there is no finite
 /// vertex.
@@ -47,9 +49,11 @@ VertexStore load_vertices(ooc::Context& context, MeshSource& source, const Bound
 ooc::Spool<LatticePoint> spool_vertices(ooc::Context& context, MeshSource& source,
                                         const Bounds& bounds, const Lattice& lattice);
 
-/// Adds normals and colours of the vertices to their cells: one more pass over the vertices.
+/// Adds normals and colours of the vertices to their cells: one more pass over the vertices. After
+/// the triangles, `pages` know the cells of most vertices that are in memory; null if there are no
+/// pages. Of the others the cells are looked up.
 void add_vertex_attributes(ooc::Context& context, MeshSource& source, const Lattice& lattice,
-                           const UniformGrid& grid, CellTable& table);
+                           const UniformGrid& grid, CellTable& table, const VertexPages* pages);
 
 /// Throws FormatError naming the source and the box.
 [[noreturn]] void throw_outside_bounds(const MeshSource& source, const std::string& what);

@@ -2,15 +2,33 @@
 #include "ooc/array.h"
 
 #include <sys/mman.h>
+#include <unistd.h>
 
 namespace hewer::ooc {
 
 namespace {
 // Below this a mapping wastes more in page rounding and system calls than it returns.
 constexpr std::uint64_t kMapThreshold = 32 << 10;
-// Huge pages of smaller mappings would be shared with their neighbours, and stay when one of them
-// goes.
-constexpr std::uint64_t kHugeThreshold = 8 << 20;
+// From this size on mappings begin where a huge page may, so that none is shared with a neighbour
+// and stays when one of the two goes.
+constexpr std::uint64_t kHugeBytes = 2 << 20;
+
+/// `bytes` at a multiple of kHugeBytes.
+void* map_aligned(std::uint64_t bytes) {
+    const auto page = static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+    const std::uint64_t length = (bytes + page - 1) / page * page;
+    void* const p = ::mmap(nullptr, length + kHugeBytes, PROT_READ | PROT_WRITE,
+                           MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (p == MAP_FAILED) throw std::bad_alloc();
+    auto* const begin = static_cast<std::byte*>(p);
+    const std::uint64_t skip = -reinterpret_cast<std::uintptr_t>(p) % kHugeBytes;
+    if (skip > 0) ::munmap(begin, skip);
+    ::munmap(begin + skip + length, kHugeBytes - skip);
+    // Fewer page faults and TLB misses; a hint that may be refused.
+    (void)::madvise(begin + skip, length, MADV_HUGEPAGE);
+    return begin + skip;
+}
+
 }  // namespace
 
 void* map_pages(std::uint64_t bytes) {
@@ -20,10 +38,9 @@ void* map_pages(std::uint64_t bytes) {
         if (p == nullptr) throw std::bad_alloc();
         return p;
     }
+    if (bytes >= kHugeBytes) return map_aligned(bytes);
     void* p = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (p == MAP_FAILED) throw std::bad_alloc();
-    // Fewer page faults and TLB misses; a hint that may be refused.
-    if (bytes >= kHugeThreshold) (void)::madvise(p, bytes, MADV_HUGEPAGE);
     return p;
 }
 

@@ -42,6 +42,10 @@ constexpr std::uint64_t kLeastTableCells = 20'000;
 // triangles count as being in no order.
 constexpr std::uint64_t kLeastSpills = 4;
 constexpr std::uint64_t kMostSpillsPerCell = 4;
+// Blocks that a few cells are cut into at least, so that several threads have work of equal size;
+// but none smaller than this, or too much of each would be at its walls.
+constexpr double kBlocksAtLeast = 16;
+constexpr double kLeastBlockCells = 4096;
 // Of the limit, for the vertices of a range of the join.
 constexpr std::uint64_t kRangeShare = 4;
 
@@ -159,6 +163,13 @@ void warn_of(ooc::Context& context, const MeshSource& source, const InputDefects
     }
 }
 
+/// Most cells of a block, by the number of cells that the grid is expected to have: known before
+/// the cells are, and the same however often they are spilled.
+std::uint64_t most_block_cells(double expected_cells) {
+    return static_cast<std::uint64_t>(std::clamp(expected_cells / kBlocksAtLeast, kLeastBlockCells,
+                                                 static_cast<double>(CellBlocks::kMostCells)));
+}
+
 /// The vertices of an input, in memory or to be read again.
 struct Vertices {
     bool is_resident = true;
@@ -204,10 +215,10 @@ class Pass {
              [&] { return n_pieces.load(std::memory_order_relaxed) > most_pieces; }});
         const auto add_attributes = [&] {
             if (!with_attributes || !info.is_indexed) return;
-            cluster::add_vertex_attributes(context_, source_, lattice_, grid, table);
+            cluster::add_vertex_attributes(context_, source_, lattice_, grid, table,
+                                           pages ? &*pages : nullptr);
             ++report_.input.vertex_passes;
         };
-        add_attributes();
         // A file in order spills each cell about once.
         const std::uint64_t most_spills =
             kLeastSpills + table.epoch() + kMostSpillsPerCell * expected / most_cells;
@@ -228,22 +239,23 @@ class Pass {
             cluster::TrianglePartition partition(context_);
             const InputDefects defects = fill(partition);
             vertices_ = {};
-            add_attributes();
             result = cluster::accumulate(context_, partition, lattice_, grid, table, triples,
                                          with_face_normals);
             const std::uint64_t n_degenerate = result.defects.degenerate_triangles;
             result.defects = defects;
             result.defects.degenerate_triangles += n_degenerate;
         }
+        add_attributes();
         pages.reset();
         vertices_ = {};
         if (runs.empty()) {
             return cluster::build_cell_blocks(context_, lattice_, grid, table, triples,
-                                              options_.border_weight);
+                                              options_.border_weight,
+                                              most_block_cells(expected_cells));
         }
         runs.add(table, triples);
         table.release();
-        return runs.merge(lattice_, grid, options_.border_weight, CellBlocks::kMostCells);
+        return runs.merge(lattice_, grid, options_.border_weight, most_block_cells(expected_cells));
     }
 
   private:

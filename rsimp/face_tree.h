@@ -66,14 +66,16 @@ class FaceTree {
     static void distances_to_node(const Node& node, const Point3f& p, Lanes& squared);
     void search_leaf(std::uint32_t leaf, const Point3f& p, Hit& best) const;
 
-    /// A leaf that is near, and how far its box is.
-    struct NearLeaf {
-        float distance;
-        std::uint32_t leaf;
-    };
+    /// Leaves that a group of points may be nearest to: their boxes, and which they are.
     static constexpr std::size_t kMostNear = 32;
-    using NearLeaves = std::array<NearLeaf, kMostNear>;
-    std::size_t leaves_within(const Point3f& p, float distance, NearLeaves& leaves) const;
+    struct NearLeaves {
+        std::array<Node, kMostNear / kFanOut> boxes;
+        std::array<std::uint32_t, kMostNear> leaves;
+        std::size_t n;  ///< kMostNear + 1 if there are more
+    };
+    void leaves_within(const Point3f& p, float distance, NearLeaves& near) const;
+    void search_near(const NearLeaves& near, const Point3f& p, std::uint32_t guess,
+                     Hit& best) const;
     bool nearest_of_group(std::span<const Point3f> group, float most, std::uint32_t guess,
                           Hit* hits) const;
 

@@ -94,8 +94,7 @@ unsigned feedback_rounds(const SimplifyOptions& options) {
 
 unsigned fit_rounds(const SimplifyOptions& options) {
     const bool has_error = !options.targets.empty() && is_error(options.targets.front().kind);
-    return options.fit_rounds.value_or(options.method == Method::Uniform || has_error ? 0
-                                                                                      : kFitRounds);
+    return options.fit_rounds.value_or(has_error ? 0 : default_fit_rounds(options.method));
 }
 
 void check_options(const SimplifyOptions& options) {

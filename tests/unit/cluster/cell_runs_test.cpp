@@ -56,7 +56,7 @@ test::Cells make(const Mesh& mesh, double resolution, const Way& way, std::uint6
     if (way.table_cells != 0) {
         table.set_overflow({way.table_cells, [&] { runs.add(table, triples); }, {}});
     }
-    if (has_attributes) add_vertex_attributes(*context, source, lattice, grid, table);
+    if (has_attributes) add_vertex_attributes(*context, source, lattice, grid, table, nullptr);
     accumulate(*context, {source, lattice, grid, pages ? &*pages : nullptr, bounds}, table, triples,
                false);
     if (n_runs != nullptr) *n_runs = runs.n_runs();
