@@ -29,7 +29,8 @@ constexpr double kFarOfAll = 3.5;
 constexpr double kLeastFar = 0.01;
 // Everything farther than this is: what has vanished must not make itself the norm.
 constexpr double kMostFar = 1.5;
-constexpr double kStiffness = 30;
+// Of the area: what a cell's distance, squared, costs. 1 is its share in the forward error.
+constexpr double kStiffness = 2;
 // How far around a region faces are looked for, in mean distances between vertices.
 constexpr double kReach = 2;
 // What a cell without area counts for: it still has a place.

@@ -17,13 +17,18 @@ namespace hewer::rsimp {
 namespace {
 
 // Samples farther from the mesh than this do not pull: what has vanished must not drag the surface
-// along. In mean distances between vertices, where much has vanished; else so many RMS of the
-// nearest kCommonShare of the surface, as the first round finds them, up to kMostDistance.
+// along. So many RMS of the nearest kCommonShare of the surface, or kLeastPull mean distances
+// between vertices if that is more; but then no more than kMostFar RMS: on a model with few huge
+// faces the mean distance tells nothing of the rest. Never more than kMostDistance mean distances,
+// kLeastPull where much has vanished.
 constexpr double kLeastPull = 0.1;
 constexpr double kMuchLost = 0.02;  // of the samples' cells
 constexpr double kFar = 6;
+constexpr double kMostFar = 12;
 constexpr double kCommonShare = 0.5;
 constexpr double kMostDistance = 0.5;
+// The common RMS is first looked for in about so many regions.
+constexpr std::uint64_t kRegionsToBegin = 8;
 // How far around a region samples are looked at: a triangle's length.
 constexpr double kSampleReach = 2;
 constexpr std::uint64_t kPiece = 1 << 12;
@@ -41,11 +46,16 @@ class Fit {
           pull_(samples_.spacing() *
                 (static_cast<double>(lost_cells) > kMuchLost * static_cast<double>(samples.size())
                      ? kLeastPull
-                     : kMostDistance)) {}
+                     : kMostDistance)) {
+        const std::uint64_t stride = std::max<std::uint64_t>(1, regions_.size() / kRegionsToBegin);
+        set_pull(pull(stride).distances);
+    }
 
     void round() {
-        const ooc::Spool<Vec3> moves = propose();
-        apply(moves);
+        const Pulled pulled = pull(1);
+        distance_ = std::sqrt(pulled.distances.mean_square(1));
+        set_pull(pulled.distances);
+        apply(pulled.moves);
     }
 
     [[nodiscard]] const ooc::Spool<Vec3>& positions() const { return positions_; }
@@ -56,11 +66,15 @@ class Fit {
   private:
     static constexpr const char* kWhat = "regions of the fit";
 
-    ooc::Spool<Vec3> propose() {
+    struct Pulled {
+        ooc::Spool<Vec3> moves;
+        DistanceHistogram distances;
+    };
+    /// How the samples would move the vertices of every `stride`-th region.
+    Pulled pull(std::uint64_t stride) {
         const double reach = kSampleReach * samples_.spacing();
         const double most = pull_;
-        DistanceHistogram distances;
-        ooc::Spool<Vec3> moves(context_, "moves of vertices");
+        Pulled all{{context_, "moves of vertices"}, {}};
         const double face_reach = reach + 2 * most;
         const BlocksInFlight in_flight(context_, kWhat, regions_.region_bytes(face_reach));
         struct Result {
@@ -68,8 +82,9 @@ class Fit {
             DistanceHistogram distances;
         };
         in_flight.sweep<Result>(
-            regions_.size(),
-            [&](std::uint64_t r, Result& own) {
+            (regions_.size() + stride - 1) / stride,
+            [&](std::uint64_t i, Result& own) {
+                const std::uint64_t r = i * stride;
                 std::vector<std::uint64_t> vertices;
                 const MeshPiece piece = regions_.load(r, face_reach, positions_, vertices);
                 FitMoves sums(piece, most);
@@ -79,13 +94,17 @@ class Fit {
                 own = {sums.moves(), sums.distances()};
             },
             [&](std::uint64_t, const Result& own) {
-                moves.append(own.moves);
-                distances.add(own.distances);
+                all.moves.append(own.moves);
+                all.distances.add(own.distances);
             });
-        distance_ = std::sqrt(distances.mean_square(1));
-        const double common = kFar * std::sqrt(distances.mean_square(kCommonShare));
-        pull_ = std::clamp(common, std::min(pull_, kLeastPull * samples_.spacing()), pull_);
-        return moves;
+        return all;
+    }
+
+    /// For the next round; never farther than before.
+    void set_pull(const DistanceHistogram& distances) {
+        const double common = std::sqrt(distances.mean_square(kCommonShare));
+        const double least = std::min(kMostFar * common, kLeastPull * samples_.spacing());
+        pull_ = std::min(pull_, std::max(kFar * common, least));
     }
 
     void apply(const ooc::Spool<Vec3>& moves) {
