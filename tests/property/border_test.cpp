@@ -94,7 +94,11 @@ double border_rms(const Mesh& a, const Mesh& b) {
 }
 
 double surface_rms(const Mesh& a, const Mesh& b) {
-    const MeasureReport report = measure(*view_mesh(a), *view_mesh(b));
+    const auto original = view_mesh(a);
+    const auto lod = view_mesh(b);
+    MeasureOptions options;
+    options.n_samples = 20'000;
+    const MeasureReport report = measure(*original, *lod, options);
     return std::max(report.forward.rms, report.backward.rms);
 }
 
