@@ -128,6 +128,7 @@ CellBlocks build_cell_blocks(ooc::Context& context, const Lattice& lattice, cons
     struct Piece {
         std::vector<CellRecord> cells;
         std::vector<CellAttributes> attributes;
+        std::vector<BorderLine> borders;
     };
     context.workers().in_order(
         (n_cells + kPiece - 1) / kPiece, 2 * context.n_threads(),
@@ -138,7 +139,16 @@ CellBlocks build_cell_blocks(ooc::Context& context, const Lattice& lattice, cons
             if (table.has_attributes()) piece.attributes.reserve(end - p * kPiece);
             for (std::uint64_t k = p * kPiece; k < end; ++k) {
                 const std::uint32_t slot = order[k].slot;
-                piece.cells.push_back(make_record(table.sums(slot), fixed, border_weight));
+                const CellSums& sums = table.sums(slot);
+                piece.cells.push_back(make_record(sums, fixed, border_weight));
+                if (blocks.is_consistently_wound) {
+                    auto line =
+                        border_line(sums, fixed, piece.cells.back(), center_of(order[k].code));
+                    if (line) {
+                        line->cell = static_cast<std::uint32_t>(k);
+                        piece.borders.push_back(*line);
+                    }
+                }
                 if (table.has_attributes()) {
                     piece.attributes.push_back(make_attributes(table.attributes(slot), fixed));
                 }
@@ -148,6 +158,7 @@ CellBlocks build_cell_blocks(ooc::Context& context, const Lattice& lattice, cons
         },
         [&](std::uint64_t, const Piece& piece) {
             blocks.cells.append(piece.cells);
+            blocks.borders.append(piece.borders);
             if (table.has_attributes()) blocks.attributes.append(piece.attributes);
         });
     return blocks;
@@ -162,6 +173,7 @@ CellBlocks make_cell_blocks(ooc::Context& context, const Lattice& lattice, const
     blocks.cells = {context, "cells"};
     if (has_attributes) blocks.attributes = {context, "cell attributes"};
     blocks.faces = {context, "surviving triangles"};
+    blocks.borders = {context, "border lines"};
     return blocks;
 }
 

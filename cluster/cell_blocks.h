@@ -48,7 +48,8 @@ struct CellBlocks {
     /// list. Duplicates and opposite pairs are still there; the order inside a block is
     /// unspecified.
     ooc::Spool<CellTriple> faces;
-    std::vector<Block> blocks;  ///< and one more at the end, with the totals
+    ooc::Spool<BorderLine> borders;  ///< of the cells with a border, by rising cell
+    std::vector<Block> blocks;       ///< and one more at the end, with the totals
     std::uint64_t n_border_cells = 0;
     bool is_consistently_wound = true;
 

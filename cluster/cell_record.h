@@ -41,6 +41,17 @@ struct CellRecord {
 };
 static_assert(sizeof(CellRecord) == 64);
 
+/// The border of the surface in a cell, as its chords tell without any connectivity (Lindstrom &
+/// Silva 2001).
+struct BorderLine {
+    std::array<double, 3>
+        position;  ///< on the line, next to the cell's mean; cells from the origin
+    /// Unit vector; the surface is on the left, seen from its front.
+    std::array<float, 3> direction;
+    float length;        ///< of the chord, in cells
+    std::uint32_t cell;  ///< id
+};
+
 /// Attributes of a cell, from the original vertices in it.
 struct CellAttributes {
     std::array<float, 3> normal;       ///< sum of the vertex normals, not unit

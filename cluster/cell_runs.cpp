@@ -266,6 +266,7 @@ void CellRuns::merge_cells(const std::vector<Level>& levels, double border_weigh
     std::vector<std::uint64_t> codes;
     std::vector<CellRecord> cells;
     std::vector<CellAttributes> attributes;
+    std::uint32_t n_cells = 0;
     const auto flush = [&] {
         cutter.add(codes);
         blocks.cells.append(cells);
@@ -280,6 +281,12 @@ void CellRuns::merge_cells(const std::vector<Level>& levels, double border_weigh
             if (has_border(sums)) ++blocks.n_border_cells;
             codes.push_back(code);
             cells.push_back(make_record(sums, fixed, border_weight));
+            auto line = border_line(sums, fixed, cells.back(), center_of(code));
+            if (line) {
+                line->cell = n_cells;
+                blocks.borders.push(*line);
+            }
+            ++n_cells;
             if (has_attributes_) attributes.push_back(make_attributes(attribute_sums, fixed));
             if (codes.size() == kPiece) flush();
         });
@@ -340,6 +347,8 @@ CellBlocks CellRuns::merge(const Lattice& lattice, const UniformGrid& grid, doub
         merge_cells(levels, 0, most_cells, blocks);
         blocks.n_border_cells = n_border_cells;
         blocks.is_consistently_wound = false;
+        blocks.borders.release();
+        blocks.borders = {context_, "border lines"};
     }
     for (Level& level : levels) {
         level.cells.release();

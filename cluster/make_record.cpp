@@ -14,9 +14,17 @@ constexpr double kMostBorderCells = 0.5;
 constexpr std::uint64_t kLeastCellsToJudge = 1000;
 constexpr double kVertexNormalScale = 1 << 20;
 
-/// The squared distance to the border line through the cell, weighted with the squared length of
-/// its chord: |x X E - M|^2 with chord E and moment M = p X E.
-Quadric border_quadric(const CellSums& sums, const FixedPoint& fixed) {
+// A border line that is farther than this from the centre of its cell, on any axis, is what
+// rounding or dirt has left.
+constexpr double kMostFromCentre = 1;
+
+/// A line with a length: chord E, and moment M = p X E for any p on it.
+struct Chord {
+    Vec3 e;
+    Vec3 m;
+};
+
+Chord border_chord(const CellSums& sums, const FixedPoint& fixed) {
     // Every border edge was seen from both of its ends: half of the sum is the chord.
     const double unit = std::ldexp(0.5, -static_cast<int>(fixed.border_bits));
     const auto value = [&](std::size_t i) {
@@ -24,7 +32,17 @@ Quadric border_quadric(const CellSums& sums, const FixedPoint& fixed) {
     };
     const Vec3 e{value(0) * unit, value(1) * unit, value(2) * unit};
     const double unit_moment = unit * std::ldexp(1.0, -static_cast<int>(fixed.border_bits));
-    const Vec3 m{value(3) * unit_moment, value(4) * unit_moment, value(5) * unit_moment};
+    return {e, {value(3) * unit_moment, value(4) * unit_moment, value(5) * unit_moment}};
+}
+
+// Of a border quadric, before the weight that the user gives: what a border with the default weight
+// is worth against the surface, found by measurement (docs/fit.md).
+constexpr double kBorderScale = 4;
+
+/// The squared distance to the border line through the cell, weighted with the squared length of
+/// its chord: |x X E - M|^2.
+Quadric border_quadric(const CellSums& sums, const FixedPoint& fixed) {
+    const auto [e, m] = border_chord(sums, fixed);
     const double ee = dot(e, e);
     Quadric q;
     if (!(ee > 0)) return q;  // a hole inside one cell: nothing to hold on to
@@ -69,6 +87,7 @@ CellRecord make_record(const CellSums& sums, const FixedPoint& fixed, double bor
     if (is_border) record.flags |= CellRecord::kHasBorder;
     if (is_border && border_weight > 0) {
         const Quadric border = border_quadric(sums, fixed);
+        border_weight *= kBorderScale;
         for (std::size_t i = 0; i < 6; ++i) q.a[i] += border_weight * border.a[i];
         for (std::size_t i = 0; i < 3; ++i) q.b[i] += border_weight * border.b[i];
         q.c += border_weight * border.c;
@@ -80,6 +99,26 @@ CellRecord make_record(const CellSums& sums, const FixedPoint& fixed, double bor
     for (std::size_t i = 0; i < 3; ++i) record.mean[i] = static_cast<float>(mean[i]);
     record.area = static_cast<float>(area);
     return record;
+}
+
+std::optional<BorderLine> border_line(const CellSums& sums, const FixedPoint& fixed,
+                                      const CellRecord& record, const Vec3& centre) {
+    if (!has_border(sums)) return {};
+    const auto [e, m] = border_chord(sums, fixed);
+    const double ee = dot(e, e);
+    if (!(ee > 0)) return {};
+    Vec3 mean = record.mean_beyond();
+    for (std::size_t k = 0; k < 3; ++k) mean[k] += static_cast<double>(record.mean[k]);
+    const Vec3 place = (1 / ee) * (cross(e, m) + dot(e, mean) * e);
+    BorderLine line{};
+    const double length = std::sqrt(ee);
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (!(std::abs(place[k]) <= kMostFromCentre)) return {};
+        line.position[k] = centre[k] + place[k];
+        line.direction[k] = static_cast<float>(e[k] / length);
+    }
+    line.length = static_cast<float>(length);
+    return line;
 }
 
 CellAttributes make_attributes(const AttributeSums& sums, const FixedPoint& fixed) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "cluster/cell_record.h"
 #include "cluster/cell_sums.h"
@@ -18,6 +19,11 @@ bool is_border_implausible(std::uint64_t n_border_cells, std::uint64_t n_cells);
 
 /// The mean is relative to the cell's centre; the id is not set.
 CellRecord make_record(const CellSums& sums, const FixedPoint& fixed, double border_weight);
+
+/// The border in a cell with this centre; none where the chords cancel, or leave a line that passes
+/// the cell by. The id is not set.
+std::optional<BorderLine> border_line(const CellSums& sums, const FixedPoint& fixed,
+                                      const CellRecord& record, const Vec3& centre);
 
 CellAttributes make_attributes(const AttributeSums& sums, const FixedPoint& fixed);
 

@@ -156,6 +156,16 @@ void copy_cells(ooc::Context& context, CellBlocks& from, const KeptCells& kept,
     cutter.finish();
 }
 
+void copy_borders(const CellBlocks& from, const KeptCells& kept, CellBlocks& to) {
+    ooc::SpoolReader<cluster::BorderLine> lines(from.borders);
+    while (const cluster::BorderLine* line = lines.next()) {
+        if (!kept.has(line->cell)) continue;
+        cluster::BorderLine copy = *line;
+        copy.cell = kept.id(line->cell);
+        to.borders.push(copy);
+    }
+}
+
 /// With fewer cells the blocks are the same boxes or larger ones, and ids keep their order: so
 /// faces that were in the order of the blocks of their median corners still are.
 void copy_faces(ooc::Context& context, CellBlocks& from, const KeptCells& kept, CellBlocks& to) {
@@ -210,6 +220,7 @@ CellBlocks drop_parts(ooc::Context& context, CellBlocks cells, const SimplifyOpt
         cluster::make_cell_blocks(context, cells.lattice, cells.grid, !cells.attributes.empty());
     result.is_consistently_wound = cells.is_consistently_wound;
     copy_cells(context, cells, kept, most_cells, result);
+    copy_borders(cells, kept, result);
     copy_faces(context, cells, kept, result);
     return result;
 }

@@ -45,6 +45,7 @@ bool contains(const LocalFace& t, std::uint32_t v) {
 EdgeCollapse::EdgeCollapse(const BlockMesh& mesh, std::optional<double> most_displacement)
     : most_displacement_(most_displacement),
       is_free_(mesh.vertices.size()),
+      is_border_(mesh.vertices.size()),
       faces_(mesh.faces),
       next_corner_(3 * mesh.faces.size()),
       first_corner_(mesh.vertices.size(), kNoIndex),
@@ -58,6 +59,7 @@ EdgeCollapse::EdgeCollapse(const BlockMesh& mesh, std::optional<double> most_dis
         is_free_[v] = mesh.is_free(v);
     }
     build_corner_lists();
+    find_borders();
     for (std::uint32_t v = 0; v < vertices_.size(); ++v) {
         if (is_free_[v]) propose(v);
     }
@@ -75,6 +77,15 @@ void EdgeCollapse::build_corner_lists() {
             }
         }
     }
+}
+
+/// Around an inner vertex each neighbour is in two faces; of a fan with two ends, these are in one.
+void EdgeCollapse::find_borders() {
+    std::vector<std::uint32_t> odd(vertices_.size());
+    for (const LocalFace& t : faces_) {
+        for (const std::uint32_t v : t) odd[v] ^= t[0] ^ t[1] ^ t[2] ^ v;
+    }
+    for (std::uint32_t v = 0; v < vertices_.size(); ++v) is_border_[v] = odd[v] != 0;
 }
 
 /// Takes the dead faces out of the list of a vertex.
@@ -168,8 +179,14 @@ double EdgeCollapse::shape_penalty(std::uint32_t u, std::uint32_t v, const Vec3&
     return worst < kPoorShape ? kPoorShape / std::max(worst, 1e-3) : 1;
 }
 
+EdgeQuadric EdgeCollapse::edge_quadric(std::uint32_t u, std::uint32_t v) const {
+    EdgeQuadric edge(vertices_[u], vertices_[v]);
+    if (is_border_[u] != is_border_[v]) edge.optimum = vertices_[is_border_[u] ? u : v].position;
+    return edge;
+}
+
 std::optional<EdgeCollapse::Placement> EdgeCollapse::place(std::uint32_t u, std::uint32_t v) const {
-    const EdgeQuadric edge(vertices_[u], vertices_[v]);
+    const EdgeQuadric edge = edge_quadric(u, v);
     const Vec3& pu = vertices_[u].position;
     const Vec3& pv = vertices_[v].position;
     std::optional<Placement> best;
@@ -183,7 +200,7 @@ std::optional<EdgeCollapse::Placement> EdgeCollapse::place(std::uint32_t u, std:
         if (std::isfinite(penalized) && (!best || penalized < best->cost)) best = {x, penalized};
     };
     consider(edge.optimum);
-    if (!best) {
+    if (!best && is_border_[u] == is_border_[v]) {
         consider(0.5 * (pu + pv));
         consider(pu);
         consider(pv);
@@ -237,7 +254,7 @@ void EdgeCollapse::propose(std::uint32_t u) {
     Proposal best{kNoCost, kNoIndex};
     gather_larger_neighbours(u);
     for (const std::uint32_t v : scratch_.larger) {
-        const EdgeQuadric edge(vertices_[u], vertices_[v]);
+        const EdgeQuadric edge = edge_quadric(u, v);
         const auto cost = static_cast<float>(edge.cost(edge.optimum));
         if (cost < best.cost || (cost == best.cost && v < best.partner)) best = {cost, v};
     }
@@ -248,7 +265,7 @@ void EdgeCollapse::propose(std::uint32_t u) {
 /// Only the edge to the neighbour that has moved can have become better than the one proposed.
 void EdgeCollapse::review(std::uint32_t u, std::uint32_t moved) {
     if (moved < u) return;
-    const EdgeQuadric edge(vertices_[u], vertices_[moved]);
+    const EdgeQuadric edge = edge_quadric(u, moved);
     const auto cost = static_cast<float>(edge.cost(edge.optimum));
     const Proposal& old = proposals_[u];
     if (cost < old.cost || (cost == old.cost && moved < old.partner)) {
@@ -265,7 +282,7 @@ void EdgeCollapse::check(std::uint32_t u) {
     gather_larger_neighbours(u);
     s.edges.clear();
     for (const std::uint32_t v : s.larger) {
-        const EdgeQuadric edge(vertices_[u], vertices_[v]);
+        const EdgeQuadric edge = edge_quadric(u, v);
         s.edges.emplace_back(edge.cost(edge.optimum), v);
     }
     std::sort(s.edges.begin(), s.edges.end());
@@ -294,6 +311,7 @@ void EdgeCollapse::collapse(std::uint32_t u, std::uint32_t v) {
         kept.box[3 + i] = std::max(kept.box[3 + i], gone.box[3 + i]);
     }
     kept.position = position;
+    is_border_[u] = is_border_[u] || is_border_[v];
     for (const std::uint32_t f : s.faces_v) {
         LocalFace& t = faces_[f];
         if (contains(t, u)) {

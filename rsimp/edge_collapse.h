@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "rsimp/block_mesh.h"
+#include "rsimp/edge_quadric.h"
 #include "rsimp/indexed_heap.h"
 
 namespace hewer::rsimp {
@@ -35,8 +36,9 @@ struct CollapseLimit {
 /// cost, is asked when it comes up. Both ends must be free (VertexFlags).
 ///
 /// An edge is collapsed only if that keeps the mesh manifold and its type (link condition), and
-/// turns no face by more than 78 degrees. A border stays a border. With `most_displacement`, no
-/// vertex ends farther than that from any corner of its box, in cells.
+/// turns no face by more than 78 degrees. A border stays a border, and an inner vertex that goes
+/// into one of its vertices does not move it. With `most_displacement`, no vertex ends farther than
+/// that from any corner of its box, in cells.
 ///
 /// The mesh given stays as it is; what was done is in steps(). A run that goes on makes the same
 /// steps as one that went through at once. One thread. Memory: bytes_for().
@@ -79,6 +81,7 @@ class EdgeCollapse {
     };
 
     void build_corner_lists();
+    void find_borders();
     void prune(std::uint32_t vertex);
     void gather_ring(std::uint32_t vertex, std::vector<std::uint32_t>& faces) const;
     void gather_edge(std::uint32_t u, std::uint32_t v);
@@ -90,6 +93,7 @@ class EdgeCollapse {
     [[nodiscard]] bool is_checked(std::uint32_t u) const {
         return checked_[u] > changed_[u] && checked_[u] > changed_[proposals_[u].partner];
     }
+    [[nodiscard]] EdgeQuadric edge_quadric(std::uint32_t u, std::uint32_t v) const;
     [[nodiscard]] std::optional<Placement> place(std::uint32_t u, std::uint32_t v) const;
     [[nodiscard]] bool keeps_type(std::uint32_t v);
     [[nodiscard]] double shape_penalty(std::uint32_t u, std::uint32_t v, const Vec3& x) const;
@@ -98,6 +102,7 @@ class EdgeCollapse {
     std::optional<double> most_displacement_;
     std::vector<CollapseVertex> vertices_;
     std::vector<bool> is_free_;
+    std::vector<bool> is_border_;  // right for free vertices
     std::vector<LocalFace> faces_;
     std::vector<std::uint32_t> next_corner_;   // circular list of the corners of each vertex
     std::vector<std::uint32_t> first_corner_;  // any corner of the vertex, kNoIndex if it has none

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "rsimp/blocks_in_flight.h"
+#include "rsimp/border_moves.h"
 #include "rsimp/face_window.h"
 #include "rsimp/fit_moves.h"
 #include "rsimp/mesh_regions.h"
@@ -36,12 +37,13 @@ constexpr std::uint64_t kPiece = 1 << 12;
 class Fit {
   public:
     Fit(ooc::Context& context, const MeshStore& mesh, const ooc::Spool<FitSample>& samples,
-        std::span<const cluster::OctreeBox> boxes, std::span<const std::uint64_t> first_cluster,
-        std::uint64_t lost_cells)
+        const ooc::Spool<FitSample>& borders, std::span<const cluster::OctreeBox> boxes,
+        std::span<const std::uint64_t> first_cluster, std::uint64_t lost_cells)
         : context_(context),
           mesh_(mesh),
           regions_(context, mesh, boxes, first_cluster),
           samples_(context, samples, mesh.origin, mesh.vertices.size()),
+          borders_(context, borders, mesh.origin, mesh.vertices.size()),
           positions_(positions_of(context, mesh)),
           pull_(samples_.spacing() *
                 (static_cast<double>(lost_cells) > kMuchLost * static_cast<double>(samples.size())
@@ -87,11 +89,20 @@ class Fit {
                 const std::uint64_t r = i * stride;
                 std::vector<std::uint64_t> vertices;
                 const MeshPiece piece = regions_.load(r, face_reach, positions_, vertices);
-                FitMoves sums(piece, most);
-                samples_.for_each(
+                {
+                    FitMoves sums(piece, most);
+                    samples_.for_each(
+                        regions_.box(r), reach, piece.centre,
+                        [&](std::span<const WeightedPoint> points) { sums.pull(points); });
+                    own = {sums.moves(), sums.distances()};
+                }
+                // In the memory of the surface's tree.
+                BorderMoves borders(piece, kMostDistance * samples_.spacing());
+                if (!borders.has_border()) return;
+                borders_.for_each(
                     regions_.box(r), reach, piece.centre,
-                    [&](std::span<const WeightedPoint> points) { sums.pull(points); });
-                own = {sums.moves(), sums.distances()};
+                    [&](std::span<const WeightedPoint> points) { borders.pull(points); });
+                borders.replace(own.moves);
             },
             [&](std::uint64_t, const Result& own) {
                 all.moves.append(own.moves);
@@ -151,6 +162,7 @@ class Fit {
     const MeshStore& mesh_;
     MeshRegions regions_;
     SampleRuns samples_;
+    SampleRuns borders_;
     ooc::Spool<Vec3> positions_;
     double pull_;  // up to this distance
     double last_move_ = 0;
@@ -162,10 +174,11 @@ class Fit {
 
 ooc::Spool<StoredVertex> fit(ooc::Context& context, const MeshStore& mesh,
                              const ooc::Spool<FitSample>& samples,
+                             const ooc::Spool<FitSample>& borders,
                              std::span<const cluster::OctreeBox> boxes,
                              std::span<const std::uint64_t> first_cluster, std::uint64_t lost_cells,
                              unsigned rounds, FitReport& report) {
-    Fit fit(context, mesh, samples, boxes, first_cluster, lost_cells);
+    Fit fit(context, mesh, samples, borders, boxes, first_cluster, lost_cells);
     report.rounds = rounds;
     for (unsigned i = 0; i < rounds; ++i) {
         fit.round();

@@ -14,9 +14,9 @@ namespace hewer::rsimp {
 
 /// A quadric's optimum lies near the planes around one vertex; a finished mesh can still be moved
 /// as a whole (the half of Hoppe's mesh optimisation, 1993, that keeps the connectivity). `rounds`
-/// times every vertex makes the step of fit_moves(), all at once. Faces never fold, vertices of
-/// borders stay, parts of the original that the mesh has lost do not pull. The result does not
-/// depend on threads or memory.
+/// times every vertex makes the step of FitMoves, at a border that of BorderMoves, all at once.
+/// Faces never fold, parts of the original that the mesh has lost do not pull. The result does not
+/// depend on threads or memory. Without samples of the borders these stay.
 ///
 /// `boxes`, and the first cluster of each and the end, are those that the mesh was made in;
 /// `lost_cells` are those of which the mesh has lost the surface. The
@@ -25,6 +25,7 @@ namespace hewer::rsimp {
 /// region for each thread; positions and moves, 48 bytes a vertex, on spools.
 ooc::Spool<StoredVertex> fit(ooc::Context& context, const MeshStore& mesh,
                              const ooc::Spool<FitSample>& samples,
+                             const ooc::Spool<FitSample>& borders,
                              std::span<const cluster::OctreeBox> boxes,
                              std::span<const std::uint64_t> first_cluster, std::uint64_t lost_cells,
                              unsigned rounds, FitReport& report);

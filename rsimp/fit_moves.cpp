@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "rsimp/half_edges.h"
+#include "rsimp/damped_solve.h"
 
 namespace hewer::rsimp {
 
@@ -73,21 +73,6 @@ Vec3 unit(const Vec3& v) {
     return length > kTiny ? (1 / length) * v : Vec3{};
 }
 
-/// x of (m + damping) x = r, by Cramer's rule: the damping keeps m away from singular.
-Vec3 solve(Symmetric3 m, const Vec3& r) {
-    const double damping = kDamping * (m[0] + m[3] + m[5]);
-    if (!(damping > kTiny)) return {};
-    m[0] += damping;
-    m[3] += damping;
-    m[5] += damping;
-    const Vec3 row0{m[0], m[1], m[2]};
-    const Vec3 row1{m[1], m[3], m[4]};
-    const Vec3 row2{m[2], m[4], m[5]};
-    const Vec3 c12 = cross(row1, row2);
-    const double det = dot(row0, c12);
-    return (1 / det) * (r[0] * c12 + r[1] * cross(row2, row0) + r[2] * cross(row0, row1));
-}
-
 std::vector<Point3f> to_single(std::span<const Vec3> points) {
     std::vector<Point3f> result(points.size());
     std::transform(points.begin(), points.end(), result.begin(),
@@ -130,24 +115,6 @@ bool is_safe(const MeshPiece& piece, const LocalFace& face, std::span<const Vec3
         if (dot(before, normal) < kMostTurn || dot(first, normal) < kMostTurnOfAll) return false;
     }
     return true;
-}
-
-/// Own vertices with an edge that has not got two faces.
-std::vector<bool> border_vertices(const MeshPiece& piece) {
-    std::vector<LocalFace> own;
-    for (const LocalFace& face : piece.faces) {
-        if (face[0] < piece.n_own || face[1] < piece.n_own || face[2] < piece.n_own) {
-            own.push_back(face);
-        }
-    }
-    std::vector<bool> is_border(piece.n_own);
-    for_each_edge(own, piece.positions.size(),
-                  [&](std::uint32_t low, std::span<const HalfEdge> group) {
-                      if (group.size() == 2) return;
-                      if (low < piece.n_own) is_border[low] = true;
-                      if (group[0].other < piece.n_own) is_border[group[0].other] = true;
-                  });
-    return is_border;
 }
 
 }  // namespace
@@ -202,7 +169,7 @@ std::vector<Vec3> FitMoves::moves() const {
     std::vector<Vec3> moves;
     moves.reserve(pulls_.size());
     for (const Pull& pull : pulls_) {
-        const Vec3 move = kOverRelaxation * solve(pull.matrix, pull.residual);
+        const Vec3 move = kOverRelaxation * damped_solve(pull.matrix, pull.residual, kDamping);
         const double length = std::sqrt(dot(move, move));
         moves.push_back(length > pull.longest ? (pull.longest / length) * move : move);
     }
@@ -211,7 +178,7 @@ std::vector<Vec3> FitMoves::moves() const {
 
 std::vector<bool> held_vertices(const MeshPiece& piece, std::span<const Vec3> at_first,
                                 std::span<const Vec3> moves) {
-    std::vector<bool> is_held = border_vertices(piece);
+    std::vector<bool> is_held(piece.n_own);
     for (const LocalFace& face : piece.faces) {
         if (face[0] >= piece.n_own && face[1] >= piece.n_own && face[2] >= piece.n_own) continue;
         if (is_safe(piece, face, at_first, moves)) continue;

@@ -49,10 +49,10 @@ class FitMoves {
     DistanceHistogram distances_;
 };
 
-/// Which of the own vertices must stay: those at a border, and those with a face that would turn by
-/// more than 60 degrees, or by more than 80 from what it was before the fit (`at_first`, the
-/// positions then), if any subset of its corners moved. So what becomes of the other corners does
-/// not matter, and no face ever folds. `moves` are of all vertices of the piece.
+/// Which of the own vertices must stay: those with a face that would turn by more than 60 degrees,
+/// or by more than 80 from what it was before the fit (`at_first`, the positions then), if any
+/// subset of its corners moved. So what becomes of the other corners does not matter, and no face
+/// ever folds. `moves` are of all vertices of the piece.
 std::vector<bool> held_vertices(const MeshPiece& piece, std::span<const Vec3> at_first,
                                 std::span<const Vec3> moves);
 

@@ -47,8 +47,9 @@ LodChain::Result LodChain::next(const std::optional<CollapseTarget>& target) {
 
 FitReport LodChain::fit(unsigned rounds, double cell_size) {
     FitReport report;
-    mesh_.vertices = rsimp::fit(context_, mesh_, start_.samples, start_.finisher->boxes(),
-                                start_.finisher->first_cluster(), lost_cells(), rounds, report);
+    mesh_.vertices =
+        rsimp::fit(context_, mesh_, start_.samples, start_.borders, start_.finisher->boxes(),
+                   start_.finisher->first_cluster(), lost_cells(), rounds, report);
     report.first_move *= cell_size;
     report.last_move *= cell_size;
     report.distance *= cell_size;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "rsimp/start_mesh.h"
 
+#include "rsimp/border_samples.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -194,6 +196,7 @@ StartMesh make_start_mesh(ooc::Context& context, MeshSource& source, const Simpl
             if (fit_rounds(options) > 0) {
                 attempt.start.samples =
                     collect_samples(context, cells, samples_for(cells, options, report));
+                attempt.start.borders = collect_border_samples(context, cells);
             }
             return std::move(attempt.start);
         }

@@ -26,6 +26,7 @@ struct StartMesh {
     std::unique_ptr<Finisher> finisher;  ///< has begun
     FinishReport finish;                 ///< so far
     ooc::Spool<FitSample> samples;       ///< if there is a fit
+    ooc::Spool<FitSample> borders;       ///< of the borders, likewise
 
     [[nodiscard]] Vec3 to_model(const Vec3& in_cells) const {
         return lattice.origin() + (grid.cell_size(lattice) * in_cells);

@@ -137,10 +137,22 @@ def border_faults(case):
                       f"{border['original']['loops']} in the input")
     if not border["forward"]:
         faults.append("no border left")
-    elif border_rms(record) > larger(record, "rms"):
-        faults.append(f"border RMS {ratio(border_rms(record), larger(record, 'rms')):.2f} x "
-                      "the surface's")
+    elif border_ratio(record) > 1:
+        faults.append(f"border RMS {border_ratio(record):.2f} x the surface's")
     return faults
+
+
+def border_ratio(record):
+    """RMS of the border over that of the surface, larger directions; NaN without a border."""
+    return ratio(border_rms(record), larger(record, "rms"))
+
+
+def border_of_peers(case):
+    """The least such ratio among the peers, and whose it is; None if none has a border."""
+    ratios = {peer: border_ratio(record) for peer, record in case.peers.items()
+              if record["status"] == "ok" and not math.isnan(border_rms(record))}
+    best = min(ratios, key=ratios.get, default=None)
+    return best and (ratios[best], best)
 
 
 def border_rms(record):

@@ -4,7 +4,8 @@ import math
 import os
 import re
 
-from .compare import border_faults, border_rms, compare, larger, make_bars, topology_faults
+from .compare import (border_faults, border_of_peers, border_ratio, border_rms, compare, larger,
+                      make_bars, topology_faults)
 from .programs import PEERS
 
 
@@ -75,12 +76,12 @@ def summary(bars):
 def ratio_rows(cases, bars, best):
     lines = head("mesh", "%", "triangles", "forward RMS", "best peer", "backward RMS", "best peer",
                  "maximum", "time", "image RMS", "peer of least RMS", "closed stays closed",
-                 "border")
+                 "border", "border RMS / surface RMS", "least of the peers")
     for case in cases:
         own = case.own()
         if own["status"] != "ok":
             lines.append(row(case.mesh.name, case.percent, case.target,
-                             f"**hewer {own['status']} FAIL**", *[""] * 9))
+                             f"**hewer {own['status']} FAIL**", *[""] * 11))
             continue
         names = {way: PEERS[peer][0] for way, peer in best[case.key].items()}
         cells = {key: verdict(bar.ratios.get(case.key, math.nan), bar.each)
@@ -93,8 +94,16 @@ def ratio_rows(cases, bars, best):
         lines.append(row(case.mesh.name, case.percent, own["triangles"], cells["forward"],
                          names.get("forward", "-"), cells["backward"], names.get("backward", "-"),
                          cells["maximum"], cells["time"], f"{image:.3f}" if image else "-",
-                         names.get("rms", "-"), *states))
+                         names.get("rms", "-"), *states, *border_cells(case)))
     return lines
+
+
+def border_cells(case):
+    """hewer's ratio of the border to the surface, and the least of its peers: what is possible."""
+    own = border_ratio(case.own())
+    peers = border_of_peers(case)
+    return ("-" if math.isnan(own) else f"{own:.2f}",
+            f"{peers[0]:.2f} {PEERS[peers[1]][0]}" if peers else "-")
 
 
 def left_out(cases):
