@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "rsimp/edge_quadric.h"
 
+#include <cmath>
+
 #include "ooc/vec3.h"
 
 namespace hewer::rsimp {
@@ -53,6 +55,7 @@ EdgeQuadric::EdgeQuadric(const CollapseVertex& u, const CollapseVertex& v) : qua
     }
     const Vec3 edge = v.position - u.position;
     length_cost = kLengthCost * (wu + wv) * dot(edge, edge);
+    scale = 1 / std::sqrt(wu + wv);
 }
 
 }  // namespace hewer::rsimp

@@ -16,11 +16,14 @@ struct EdgeQuadric {
     Vec3 low{};  ///< of the box
     Vec3 high{};
     double length_cost = 0;
+    double scale = 1;  ///< of costs
 
     EdgeQuadric(const CollapseVertex& u, const CollapseVertex& v);
 
+    /// Squared distances over the area, by the root of the area: between their sum, which gives up
+    /// whatever is small, and their mean, which spends most on what is smallest.
     [[nodiscard]] double cost(const Vec3& x) const {
-        return std::max(0.0, quadric.error(x)) + length_cost;
+        return scale * (std::max(0.0, quadric.error(x)) + length_cost);
     }
 };
 

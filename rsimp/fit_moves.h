@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,9 @@ namespace hewer::rsimp {
 /// vertex solves (sum b n n^T + little) x = sum b d n. Weights b instead of b^2 make the step a
 /// majorisation: all vertices move at once and the sum of squares still falls; it is lengthened by
 /// half, and no vertex goes farther than its longest residual.
+///
+/// The points see the faces, and hardly the vertices: these would stand out beyond every bend. So
+/// each vertex is pulled a little to the surface at the point that is nearest to itself.
 class FitMoves {
   public:
     /// Points farther than `most_distance` belong to something that has vanished and do not pull;
@@ -38,6 +42,13 @@ class FitMoves {
         Symmetric3 matrix{};
         Vec3 residual{};
         double longest = 0;  // residual
+        // Of the points that pull, the one nearest to the vertex: squared distance, where it is
+        // from the vertex, and what way it faces.
+        double nearest = std::numeric_limits<double>::infinity();
+        Vec3 to_nearest{};
+        Vec3 front{};
+
+        void add(const Vec3& n, double d, double weight);
     };
     const MeshPiece& piece_;
     float most_;  // squared
