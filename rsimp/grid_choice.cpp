@@ -76,7 +76,14 @@ double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
                          double finer) {
     if (!(longest_side(bounds) > 0)) return 1;  // all vertices in one place
     if (options.cell_size) return resolution_of_cell(*options.cell_size, bounds, "--cell");
-    if (options.method == Method::Full) return sample.separating_resolution();
+    if (options.method == Method::Full) {
+        // Vertices that share a cell are moved by up to its size.
+        const double separating = sample.separating_resolution();
+        if (!(options.feedback_distance > 0)) return separating;
+        const double wanted = kCellsPerDistance * longest_side(bounds) / options.feedback_distance;
+        return std::min(std::clamp(wanted, separating, kMostSeparation * separating),
+                        cluster::UniformGrid::kMaxResolution);
+    }
     const Target& finest = options.targets.front();
     const double error = target_error(finest, bounds);
     if (error > 0) {

@@ -42,6 +42,11 @@ constexpr unsigned default_fit_rounds(Method method) {
 inline constexpr double kFewCellsPerVertex = 6;
 /// With an error bound E the cells are at most E / kCellsPerError long.
 inline constexpr double kCellsPerError = 8;
+/// With a distance to keep (SimplifyOptions::feedback_distance) those of Method::Full are at most so
+/// many parts of it long, but for this factor on the usual resolution: collapses are clamped to
+/// cells, and need some room.
+inline constexpr double kCellsPerDistance = 2;
+inline constexpr double kMostSeparation = 4;
 
 /// Vertices that a target comes to, from the number of faces in the input. For Error targets: 0.
 double target_vertices(const Target& target, std::uint64_t n_input_faces);
