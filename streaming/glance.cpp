@@ -2,7 +2,7 @@
 #include "streaming/glance.h"
 
 #include <algorithm>
-#include <array>
+#include <cctype>
 #include <cmath>
 #include <memory>
 #include <utility>
@@ -169,6 +169,7 @@ class Glance {
         } else {
             report_.basis = InputReport::Basis::Name;
             report_.format = name_of(format);
+            for (char& c : report_.format) c = static_cast<char>(std::toupper(c));
         }
         report_.format += is_gzip ? ", gzip" : ", Zstandard";
     }

@@ -353,7 +353,7 @@ std::vector<std::string> input_names() {
 }
 
 INSTANTIATE_TEST_SUITE_P(From, RoundTrip, ::testing::ValuesIn(input_names()),
-                         [](const auto& info) { return info.param; });
+                         [](const auto& test) { return test.param; });
 
 struct Place {
     const char* name;
@@ -447,7 +447,7 @@ TEST_P(FarOut, simplification_works_relative_to_an_origin) {
 INSTANTIATE_TEST_SUITE_P(At, FarOut,
                          ::testing::Values(Place{"utm", {500000, 4649776, 120}},
                                            Place{"geocentric", {4.2e6, 1.7e5, 4.78e6}}),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& test) { return test.param.name; });
 
 }  // namespace
 }  // namespace hewer
