@@ -340,8 +340,9 @@ TEST_F(HostileInput, OtherKindsOfFilesAreAnsweredWithWhatTheyAre) {
         {"b.tif", bytes("II*\0", 4) + "data", "a TIFF image"},
         {"a.exr", "\x76\x2f\x31\x01", "an OpenEXR image"},
         {"a.obj",
-         "\xff\xfe"
-         "v",
+         bytes("\xff\xfe"
+               "v\0 \0",
+               6),
          "text in UTF-16; convert it to UTF-8 first"},
     };
     for (const Case& c : cases) {
