@@ -4,9 +4,11 @@
 #include <bit>
 #include <cmath>
 #include <mutex>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "hewer/error.h"
 #include "ooc/array.h"
 #include "ooc/parallel.h"
 #include "rsimp/input_findings.h"
@@ -271,7 +273,12 @@ class Copier {
         }
     }
 
-    void judge() { judge_findings(context_, source_, is_strict_, input_); }
+    void judge() {
+        judge_findings(context_, source_, is_strict_, input_);
+        if (lod_.triangles > 0) return;
+        throw FormatError(info_.name + ": has " + std::to_string(info_.n_faces) +
+                          " faces, but not one triangle with three corners");
+    }
 
     void begin_writing() {
         stages_.begin("write", 0, "bytes");

@@ -128,7 +128,10 @@ TEST(OmReader, passes_over_what_it_does_not_carry_and_names_it) {
     put(others, kStatus);
     others.append(4 * sizeof(std::uint32_t), '\0');
     put(others, kNamed);
-    others += std::string("\x07quality\x06double");
+    others += "\x07quality";
+    others +=
+        "\x06"
+        "double";
     put(others, std::uint32_t{32});
     others.append(32, '\0');
     const test::TempDir dir;
