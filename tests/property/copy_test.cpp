@@ -92,9 +92,9 @@ std::string content_of(const std::filesystem::path& path) {
 
 class CopiedFile : public ::testing::TestWithParam<const char*> {};
 
-/// Closed surfaces of 12,288 triangles, in a file of the kind.
+/// Closed surfaces of 3,072 triangles, in a file of the kind.
 std::filesystem::path write_input(const test::TempDir& dir, bool is_soup) {
-    const Mesh mesh = test::shuffled(test::cube_sphere(32), 3);
+    const Mesh mesh = test::shuffled(test::cube_sphere(16), 3);
     if (!is_soup) {
         test::PlyMesh ply;
         ply.positions.assign(mesh.positions.begin(), mesh.positions.end());
@@ -123,13 +123,13 @@ TEST_P(CopiedFile, is_the_same_for_any_memory_and_threads) {
                 options.n_threads = n_threads;
                 // Less than four times the vertices, so that their places are joined by sorting.
                 if (is_tight) {
-                    options.tuning.sort_bytes = 1 << 12;
-                    options.tuning.page_bytes = 1 << 12;
+                    options.tuning.sort_bytes = 1 << 14;
+                    options.tuning.page_bytes = 1 << 14;
                     options.tuning.spills_at_once = true;
                     options.tuning.window_vertices = 1;
                 }
                 const SimplifyReport report = simplify_file(in, out, options, {}, true);
-                EXPECT_EQ(report.lods.at(0).triangles, 12U * 32 * 32);
+                EXPECT_EQ(report.lods.at(0).triangles, 12U * 16 * 16);
                 EXPECT_TRUE(report.lods.at(0).topology.border_edges == 0);
                 if (first.empty()) first = content_of(out);
                 EXPECT_EQ(content_of(out), first) << n_threads << is_tight;
