@@ -3,6 +3,7 @@
 
 #include <array>
 #include <iostream>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -27,28 +28,27 @@ void print_topology(const TopologyReport& t) {
               << (t.nonmanifold_vertices == 1 ? " vertex" : " vertices") << '\n';
 }
 
-void print_info(const InputReport& r) {
-    std::cout << r.path << ": " << r.format << ", " << format_bytes(r.bytes) << '\n';
+void print_counts(const InputReport& r) {
+    const char* const about = r.basis == InputReport::Basis::Sample ? "about " : "";
     if (r.vertices != 0) {
-        std::cout << "vertices   " << format_count(r.vertices) << '\n';
+        std::cout << "vertices   " << about << format_count(r.vertices) << '\n';
     } else {
         std::cout << "vertices   none of their own: a triangle soup\n";
     }
-    std::cout << "faces      " << format_count(r.faces) << '\n'
-              << "triangles  " << format_count(r.triangles) << '\n'
-              << "bounds     " << format_bounds(r.bounds) << '\n'
-              << "diagonal   " << format_length(r.bounds.diagonal()) << '\n';
-    if (r.area > 0) std::cout << "area       " << format_length(r.area) << '\n';
+    std::cout << "faces      " << about << format_count(r.faces) << '\n';
+    // A header does not tell polygons from triangles.
+    if (r.basis != InputReport::Basis::Header) {
+        std::cout << "triangles  " << about << format_count(r.triangles) << '\n';
+    }
+}
+
+void print_attributes(const InputReport& r) {
     std::cout << "attributes " << (r.has_normals ? "normals " : "")
               << (r.has_colors ? "colours" : "") << (r.has_normals || r.has_colors ? "" : "none")
               << '\n';
-    if (!r.ignored.empty()) {
-        std::cout << "not used  ";
-        for (const std::string& name : r.ignored) std::cout << ' ' << name;
-        std::cout << '\n';
-    }
-    if (r.topology) print_topology(*r.topology);
-    const InputDefects& d = r.defects;
+}
+
+void print_defects(const InputDefects& d) {
     const std::array<std::pair<std::uint64_t, std::string>, 6> rows{{
         {d.nonfinite_vertices, "vertices with a coordinate that is not finite"},
         {d.nonfinite_triangles, "triangles with such a vertex (left out)"},
@@ -73,12 +73,53 @@ void print_info(const InputReport& r) {
     }
 }
 
+/// What the figures rest on, where not everything was read.
+const char* basis_of(const InputReport& r) {
+    switch (r.basis) {
+        case InputReport::Basis::Whole:
+            break;
+        case InputReport::Basis::Header:
+            return "the header only; --check reads all of it";
+        case InputReport::Basis::Sample:
+            return "a sample of 8 MiB; --check reads all of it";
+        case InputReport::Basis::Name:
+            return "not read; --check reads all of it";
+    }
+    return nullptr;
+}
+
+void print_info(const InputReport& r) {
+    std::cout << r.path << ": " << r.format << ", " << format_bytes(r.bytes) << '\n';
+    const bool is_known = r.basis != InputReport::Basis::Name;
+    if (is_known) print_counts(r);
+    if (!r.bounds.is_empty()) {
+        std::cout << "bounds     " << format_bounds(r.bounds) << '\n'
+                  << "diagonal   " << format_length(r.bounds.diagonal()) << '\n';
+    }
+    if (r.area > 0) std::cout << "area       " << format_length(r.area) << '\n';
+    if (is_known) print_attributes(r);
+    if (!r.ignored.empty()) {
+        std::cout << "not used  ";
+        for (const std::string& name : r.ignored) std::cout << ' ' << name;
+        std::cout << '\n';
+    }
+    if (r.topology) print_topology(*r.topology);
+    if (const char* const basis = basis_of(r)) {
+        std::cout << "read       " << basis << '\n';
+    } else {
+        print_defects(r.defects);
+    }
+}
+
 }  // namespace
 
 void run_info(const Arguments& arguments, const std::stop_token& stop) {
     ProgressPrinter printer(choose_progress_style(arguments.get<std::string>("progress"), false));
     InfoOptions options;
     options.with_topology = arguments.flag("topology");
+    if (arguments.flag("check")) {
+        options.whole_below = std::numeric_limits<std::uint64_t>::max();
+    }
     take_resources(arguments, options);
     options.input_format = arguments.get<std::string>("input_format");
     options.temp_dir = arguments.path("temp_dir");

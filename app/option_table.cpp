@@ -36,7 +36,7 @@ constexpr double kMostPixels = 32768;
 constexpr double kSmallest = std::numeric_limits<double>::denorm_min();
 
 constexpr std::string_view kMeshes = ".ply|.obj|.off|.stl|.glb|.gltf|.drc";
-constexpr std::string_view kFormats = "ply|stl|obj|off|gltf|glb|drc";
+constexpr std::string_view kFormats = "ply|stl|obj|off|om|gltf|glb|drc";
 constexpr std::string_view kFiles = "Files";
 constexpr std::string_view kTarget = "Target (exactly one)";
 constexpr std::string_view kMethod = "Method";
@@ -99,10 +99,11 @@ OptionSpec{"displacement", "--displacement", "E", T::Error, kTargets, "model uni
 OptionSpec{"lods", "--lods", "LIST", T::Lods, kTargets, "triangles, or ratios", "", 0, 0, "", kTarget, false,
     "Several levels of detail from one read, nested, fine to coarse: 1M,250k,60k or 10%,2%."},
 
-OptionSpec{"method", "--method", "NAME", T::Choice, kTargets, "", "auto", 0, 0, "auto|refine|uniform|full", kMethod, false,
+OptionSpec{"method", "--method", "NAME", T::Choice, kTargets, "", "auto", 0, 0, "auto|refine|uniform|full|copy", kMethod, false,
     "refine: fine grid, refined where the surface needs it, finished by edge collapse. full: the same "
     "from every original vertex, and with feedback; best and slowest. uniform: one coarse grid, "
-    "fastest. auto: full up to 1M vertices, refine above."},
+    "fastest. copy: every triangle as it is, into another format; needs no target. auto: full up to "
+    "1M vertices, refine above; copy for --ratio 100%."},
 OptionSpec{"cell", "--cell", "SIZE", T::Number, kTargets, "model units", "=from the target", kSmallest, kNoLimit, "", kMethod, false,
     "Edge of a grid cell. With --method uniform it takes the place of a target."},
 OptionSpec{"priority", "--priority", "NAME", T::Choice, kTargets, "", "quadric", 0, 0, "quadric|normal", kMethod, false,
@@ -176,6 +177,10 @@ OptionSpec{"json", "--json", "", T::Flag, kInfo | kPlan, "", "", 0, 0, "", kOutp
 OptionSpec{"topology_report", "--topology-report", "", T::Flag, kSimplify, "", "", 0, 0, "", kOutput, false,
     "Put borders, components and what is not manifold of the input into the report, too (those of the "
     "output are always there): one pass more over the input, as by hewer info --topology."},
+OptionSpec{"check", "--check", "", T::Flag, kInfo, "", "", 0, 0, "", kOutput, false,
+    "Read all of it: exact counts, bounds and area, and defects. Inputs of up to 64 MiB (16 MiB if they "
+    "are compressed) are read whole anyway; of larger ones info tells what the header says, and what a "
+    "sample does."},
 OptionSpec{"topology", "--topology", "", T::Flag, kInfo, "", "", 0, 0, "", kOutput, false,
     "Count components, borders and what is not manifold: one pass more over the triangles, 4 bytes a "
     "vertex of memory, and temporary files where the limit is short. Equal corners of an STL are one "

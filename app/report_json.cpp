@@ -21,6 +21,8 @@ const char* name_of(Method method) {
             return "uniform";
         case Method::Full:
             return "full";
+        case Method::Copy:
+            return "copy";
         case Method::Auto:
             break;
     }
@@ -95,20 +97,41 @@ Json to_value(const TopologyReport& r) {
             {"euler", r.euler}};
 }
 
+const char* name_of(InputReport::Basis basis) {
+    switch (basis) {
+        case InputReport::Basis::Whole:
+            return "whole";
+        case InputReport::Basis::Header:
+            return "header";
+        case InputReport::Basis::Sample:
+            return "sample";
+        case InputReport::Basis::Name:
+            break;
+    }
+    return "name";
+}
+
+/// Null is what was not read.
 Json to_value(const InputReport& r) {
+    const bool is_whole = r.basis == InputReport::Basis::Whole;
+    const bool has_counts = r.basis != InputReport::Basis::Name;
+    const auto known = [](bool is_known, const auto& value) {
+        return is_known ? Json(value) : Json();
+    };
     Json json{{"path", r.path},
               {"format", r.format},
               {"bytes", r.bytes},
+              {"basis", name_of(r.basis)},
               {"opening_seconds", r.opening_seconds},
-              {"vertices", r.vertices},
-              {"faces", r.faces},
-              {"triangles", r.triangles},
+              {"vertices", known(has_counts, r.vertices)},
+              {"faces", known(has_counts, r.faces)},
+              {"triangles", known(has_counts, r.triangles)},
               {"bounds", to_value(r.bounds)},
-              {"has_normals", r.has_normals},
-              {"has_colors", r.has_colors},
+              {"has_normals", known(has_counts, r.has_normals)},
+              {"has_colors", known(has_counts, r.has_colors)},
               {"ignored", r.ignored},
-              {"defects", to_value(r.defects)},
-              {"area", r.area},
+              {"defects", known(is_whole, to_value(r.defects))},
+              {"area", known(is_whole, r.area)},
               {"vertex_passes", r.vertex_passes},
               {"triangle_passes", r.triangle_passes}};
     if (r.topology) json["topology"] = to_value(*r.topology);

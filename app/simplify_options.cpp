@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "app/simplify_options.h"
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <string_view>
@@ -45,7 +46,23 @@ std::vector<Target> make_targets(const Arguments& arguments, std::string_view ke
 Method make_method(const std::string& name) {
     if (name == "uniform") return Method::Uniform;
     if (name == "full") return Method::Full;
+    if (name == "copy") return Method::Copy;
     return name == "refine" ? Method::Refine : Method::Auto;
+}
+
+void refuse_beside_copy(const Arguments& arguments, std::string_view target) {
+    const auto refuse = [](std::string name) {
+        std::replace(name.begin(), name.end(), '_', '-');
+        throw InvalidArgument("--" + name +
+                              " and --method copy contradict each other: a copy keeps every "
+                              "triangle as it is");
+    };
+    const bool is_whole = target == "ratio" && arguments.get<double>("ratio") == 1;
+    if (!target.empty() && !is_whole) refuse(std::string(target));
+    for (const char* const key :
+         {"cell", "priority", "bounds", "border_weight", "feedback", "fit"}) {
+        if (arguments.is_given(key)) refuse(key);
+    }
 }
 
 }  // namespace
@@ -67,7 +84,8 @@ SimplifyOptions make_simplify_options(const Arguments& arguments) {
                                   "decides how many triangles come out");
         }
     }
-    if (target.empty() && !(is_uniform && options.cell_size)) {
+    const bool is_copy = options.method == Method::Copy;
+    if (target.empty() && !(is_uniform && options.cell_size) && !is_copy) {
         throw InvalidArgument(
             "no target: say how far to simplify with --triangles, --vertices, --ratio, --error, "
             "--displacement or --lods (or --method uniform --cell)");
@@ -76,6 +94,7 @@ SimplifyOptions make_simplify_options(const Arguments& arguments) {
         throw InvalidArgument(
             "--priority and --method uniform contradict each other: uniform splits no clusters");
     }
+    if (is_copy) refuse_beside_copy(arguments, target);
     if (!target.empty()) options.targets = make_targets(arguments, target);
     if (arguments.get<std::string>("priority") == "normal") {
         options.priority = SplitPriority::NormalVariation;

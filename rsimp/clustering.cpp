@@ -19,6 +19,7 @@
 #include "ooc/parallel.h"
 #include "ooc/units.h"
 #include "rsimp/grid_choice.h"
+#include "rsimp/input_findings.h"
 #include "rsimp/memory_model.h"
 
 namespace hewer::rsimp {
@@ -132,35 +133,6 @@ CellSample sample_soup(ooc::Context& context, MeshSource& source, const Lattice&
         }
     });
     return sample;
-}
-
-/// Files refuse these while they are read; other sources only count them.
-void check_strict(const MeshSource& source, const SimplifyOptions& options, const InputDefects& d) {
-    if (!options.strict) return;
-    const auto refuse_any = [&](std::uint64_t n, const char* what) {
-        if (n == 0) return;
-        throw FormatError(source.info().name + ": " + std::to_string(n) + what +
-                          "; leave --strict out to have them counted instead");
-    };
-    refuse_any(d.nonfinite_vertices, " vertices have NaN or infinite coordinates");
-    refuse_any(d.nonfinite_triangles, " triangles have NaN or infinite coordinates");
-    refuse_any(d.out_of_range_triangles, " triangles have a vertex index out of range");
-    refuse_any(d.degenerate_triangles, " triangles have no area");
-}
-
-void warn_of(ooc::Context& context, const MeshSource& source, const InputDefects& d) {
-    const std::string& name = source.info().name;
-    if (d.nonfinite_vertices + d.nonfinite_triangles > 0) {
-        context.warn(name + ": " + std::to_string(d.nonfinite_vertices) + " vertices and " +
-                     std::to_string(d.nonfinite_triangles) +
-                     " triangles with NaN or infinite coordinates were left out" +
-                     (d.first_nonfinite.empty() ? "" : ", first " + d.first_nonfinite));
-    }
-    if (d.out_of_range_triangles > 0) {
-        context.warn(name + ": " + std::to_string(d.out_of_range_triangles) +
-                     " triangles with a vertex index out of range were left out, first " +
-                     d.first_out_of_range);
-    }
 }
 
 /// Most cells of a block, by the number of cells that the grid is expected to have: known before
@@ -333,14 +305,7 @@ CellBlocks cluster_input(ooc::Context& context, MeshSource& source, const Simpli
     InputReport& input = report.input;
     input.vertex_passes = vertex_passes;
     input.triangle_passes = triangle_passes;
-    input.path = info.name;
-    input.format = info.format;
-    input.bytes = info.n_bytes;
-    input.vertices = info.n_vertices;
-    input.faces = info.n_faces;
-    input.has_normals = info.has_normals;
-    input.has_colors = info.has_colors;
-    input.ignored = info.ignored;
+    describe_input(info, input);
 
     Vertices vertices;
     vertices.is_resident = options.tuning.window_vertices == 0 &&
@@ -406,12 +371,7 @@ CellBlocks cluster_input(ooc::Context& context, MeshSource& source, const Simpli
     input.defects = result.defects;
     input.defects.nonfinite_vertices = nonfinite_vertices;
     if (!first_nonfinite.empty()) input.defects.first_nonfinite = first_nonfinite;
-    warn_of(context, source, input.defects);
-    check_strict(source, options, input.defects);
-    if (result.n_triangles == 0) {
-        throw FormatError(info.name + ": has " + std::to_string(info.n_faces) +
-                          " faces, but not one usable triangle");
-    }
+    judge_findings(context, source, options.strict, input);
 
     GridReport& g = report.grid;
     g.cell_size = store.grid.cell_size(lattice);

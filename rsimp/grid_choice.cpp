@@ -61,10 +61,27 @@ double wanted_cells(const SimplifyOptions& options, std::uint64_t n_input_faces)
                                              : std::max(kFewestCells, kCellsPerVertex * vertices);
 }
 
+bool is_whole(const std::vector<Target>& targets) {
+    return targets.size() == 1 && targets.front().kind == Target::Kind::Ratio &&
+           targets.front().value == 1;
+}
+
+/// An option that is there to change what comes out, but for the targets; null if there is none.
+const char* shaping_option(const SimplifyOptions& options) {
+    if (options.cell_size) return "a cell size";
+    if (options.drop_parts) return "dropping parts";
+    if (options.bounds) return "a box";
+    if (options.priority != SplitPriority::Quadric) return "a priority";
+    if (options.feedback_rounds.value_or(0) > 0) return "feedback";
+    if (options.fit_rounds.value_or(0) > 0) return "a fit";
+    return nullptr;
+}
+
 }  // namespace
 
 Method method_for(const SimplifyOptions& options, const SourceInfo& info) {
     if (options.method != Method::Auto) return options.method;
+    if (is_whole(options.targets) && shaping_option(options) == nullptr) return Method::Copy;
     if (options.cell_size || is_error(options.targets.front().kind)) return Method::Refine;
     // Of a soup: what a closed surface would have.
     const std::uint64_t n_vertices = info.is_indexed ? info.n_vertices : info.n_faces / 2;
@@ -106,7 +123,15 @@ unsigned fit_rounds(const SimplifyOptions& options) {
 
 void check_options(const SimplifyOptions& options) {
     const bool is_free_uniform = options.method == Method::Uniform && options.cell_size;
-    if (options.targets.empty() && !is_free_uniform) {
+    const bool is_copy = options.method == Method::Copy;
+    if (is_copy && !options.targets.empty() && !is_whole(options.targets)) {
+        throw InvalidArgument("a copy keeps every triangle; a target contradicts it");
+    }
+    if (const char* const shaping = shaping_option(options); is_copy && shaping != nullptr) {
+        throw InvalidArgument(std::string("a copy changes nothing; ") + shaping +
+                              " contradicts it");
+    }
+    if (options.targets.empty() && !is_free_uniform && !is_copy) {
         throw InvalidArgument(
             "no target: give a number of triangles or vertices, a ratio or an error");
     }

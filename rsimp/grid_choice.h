@@ -35,7 +35,7 @@ inline constexpr unsigned kFeedbackRounds = 2;
 /// Rounds of the fit, unless told otherwise: the third and fourth gain 1 to 4 % on clean scans, lose
 /// as much on rough ones, and cost a sixth of the time of Method::Refine (docs/fit.md).
 constexpr unsigned default_fit_rounds(Method method) {
-    if (method == Method::Uniform) return 0;
+    if (method == Method::Uniform || method == Method::Copy) return 0;
     return method == Method::Refine ? 2 : 4;
 }
 /// With fewer cells for each vertex of the finest LOD the fit looks at triangles, too.

@@ -14,6 +14,7 @@
 #include "ooc/memory_budget.h"
 #include "ooc/page_evictor.h"
 #include "ooc/units.h"
+#include "rsimp/copy.h"
 #include "rsimp/fit_samples.h"
 #include "rsimp/grid_choice.h"
 #include "rsimp/mesh_store.h"
@@ -102,6 +103,15 @@ std::uint64_t vertex_bytes(const MemoryCounts& n, std::uint64_t limit) {
     return has_resident_vertices(n, limit) ? 16 * n.vertices : limit / kWindowShare;
 }
 
+/// Method::Copy: the sets of vertices, and the components that the topology counter keeps.
+std::uint64_t least_copy_bytes(std::uint64_t n_vertices, unsigned n_threads) {
+    constexpr std::uint64_t kBuffersOfCopy = 24ULL << 20;
+    constexpr std::uint64_t kPerThread = 4ULL << 20;
+    const std::uint64_t topology = n_vertices * (n_vertices >> 32 == 0 ? 4 : 8) + n_vertices / 8;
+    return ooc::MemoryBudget::kFixedBytes + kBuffersOfCopy + n_threads * kPerThread +
+           copy_bytes(n_vertices) + topology;
+}
+
 }  // namespace
 
 std::uint64_t least_memory_bytes(const MemoryCounts& n) {
@@ -115,6 +125,12 @@ std::uint64_t least_memory_bytes(const MemoryCounts& n) {
 }
 
 std::uint64_t least_limit(const SimplifyOptions& options, const SourceInfo& info) {
+    constexpr std::uint64_t kMiB = 1 << 20;
+    if (options.method == Method::Copy) {
+        const std::uint64_t n_vertices = info.is_indexed ? info.n_vertices : 3 * info.n_faces;
+        return (least_copy_bytes(n_vertices, ooc::thread_count(options.n_threads)) / kMiB + 1) *
+               kMiB;
+    }
     MemoryCounts counts;
     counts.vertices = info.is_indexed ? info.n_vertices : 0;
     counts.n_threads = ooc::thread_count(options.n_threads);
@@ -128,7 +144,6 @@ std::uint64_t least_limit(const SimplifyOptions& options, const SourceInfo& info
         counts.clusters =
             static_cast<std::uint64_t>(clusters_per_vertex(options.method) * vertices);
     }
-    constexpr std::uint64_t kMiB = 1 << 20;
     return (least_memory_bytes(counts) / kMiB + 1) * kMiB;
 }
 

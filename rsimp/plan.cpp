@@ -91,6 +91,32 @@ bool is_in_order(MeshSource& source) {
     return !cluster::VertexPages::is_thrashing(n_pages, n_triangles);
 }
 
+// Of a copy: reading, sets and ranks, and writing, on one thread.
+constexpr double kSecondsPerCopiedFace = 150e-9;
+
+/// Method::Copy: no cells, no sample.
+void plan_copy(const SourceInfo& info, const SimplifyOptions& options, PlanReport& report) {
+    report.target_triangles = info.n_faces;
+    report.memory_limit_bytes =
+        options.memory_bytes != 0 ? options.memory_bytes : ooc::default_memory_limit();
+    report.least_memory_bytes = rsimp::least_limit(options, info);
+    report.memory_bytes = report.least_memory_bytes;
+    report.fits = report.least_memory_bytes <= report.memory_limit_bytes;
+    // The sorts that make vertices of a soup, where they do not fit.
+    constexpr std::uint64_t kSoupBytes = 200;
+    const std::uint64_t sorted = info.is_indexed ? 0 : kSoupBytes * info.n_faces;
+    const std::uint64_t free =
+        report.memory_limit_bytes - std::min(report.memory_limit_bytes, report.least_memory_bytes);
+    report.temp_bytes = sorted - std::min(sorted, free);
+    report.bytes_read = 2 * info.n_bytes;
+    const std::uint64_t n_vertices = info.is_indexed ? info.n_vertices : info.n_faces / 2;
+    const std::uint64_t vertex_bytes = (info.has_double_positions ? 24U : 12U) +
+                                       (info.has_normals ? 12U : 0U) + (info.has_colors ? 4U : 0U);
+    report.bytes_written = info.n_faces * 13 + n_vertices * vertex_bytes;
+    report.seconds = static_cast<double>(report.bytes_read) * kSecondsPerByte +
+                     static_cast<double>(info.n_faces) * kSecondsPerCopiedFace;
+}
+
 }  // namespace
 
 PlanReport plan(const InputPaths& input, const SimplifyOptions& asked) {
@@ -109,6 +135,11 @@ PlanReport plan(const InputPaths& input, const SimplifyOptions& asked) {
     report.input.has_normals = info.has_normals;
     report.input.has_colors = info.has_colors;
     report.input.ignored = info.ignored;
+    report.input.basis = InputReport::Basis::Header;
+    if (options.method == Method::Copy) {
+        plan_copy(info, options, report);
+        return report;
+    }
 
     const Sampled sampled = read_sample(*source);
     if (sampled.bounds.is_empty()) {

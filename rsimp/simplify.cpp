@@ -14,6 +14,7 @@
 #include "hewer/version.h"
 #include "ooc/context.h"
 #include "ooc/resource_usage.h"
+#include "rsimp/copy.h"
 #include "rsimp/grid_choice.h"
 #include "rsimp/lod_chain.h"
 #include "rsimp/lod_output.h"
@@ -30,9 +31,10 @@ using namespace rsimp;
 
 // Expected shares of the time, for progress.
 std::vector<ooc::StageWeight> stage_weights(const SimplifyOptions& options) {
-    std::vector<ooc::StageWeight> weights{
-        {"bounds", 1},   {"vertices", 2}, {"sample", 2},  {"cluster", 8}, {"refine", 8},
-        {"feedback", 8}, {"mesh", 2},     {"finish", 12}, {"fit", 12},    {"write", 2}};
+    std::vector<ooc::StageWeight> weights{{"bounds", 1},   {"vertices", 2}, {"sample", 2},
+                                          {"cluster", 8},  {"refine", 8},   {"triangles", 8},
+                                          {"feedback", 8}, {"mesh", 2},     {"finish", 12},
+                                          {"fit", 12},     {"write", 2}};
     if (options.topology_report) weights.push_back({"topology", 30});
     return weights;
 }
@@ -68,6 +70,16 @@ std::string hex(std::uint64_t value) {
     return text.data();
 }
 
+void finish_lod(MeshSink& sink, LodReport& lod, StageLog& stages, SimplifyReport& report) {
+    sink.finish();
+    lod.quantization = sink.displacement();
+    lod.error_bound += lod.quantization;
+    lod.bytes = sink.bytes_written();
+    stages.add_bytes_written(lod.bytes);
+    report.bytes_written += lod.bytes;
+    report.lods.push_back(std::move(lod));
+}
+
 }  // namespace
 
 SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const SimplifyOptions& asked,
@@ -100,6 +112,33 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const Simp
         stages.begin("topology", source.info().n_faces, "faces");
         input_topology = streaming::count_topology(context, source);
         ++report.input.triangle_passes;
+    }
+    const auto finish_report = [&](std::uint64_t hash) {
+        report.stages = stages.stages();
+        report.warnings = context.warnings();
+        report.bytes_read = source.bytes_read();
+        report.peak_budget_bytes = stages.peak_budget_bytes();
+        report.peak_temp_bytes = context.spill().peak();
+        report.temp_bytes_written = context.spill().bytes_written();
+        report.temp_bytes_read = context.spill().bytes_read();
+        report.peak_resident_bytes = ooc::peak_resident_bytes();
+        report.result_hash = hex(hash);
+        report.input.opening_seconds = source.opening_seconds();
+        report.seconds =
+            source.opening_seconds() +
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    };
+    if (options.method == Method::Copy) {
+        LodReport lod;
+        lod.target = {Target::Kind::Ratio, 1};
+        const std::unique_ptr<MeshSink> sink = sinks(0);
+        const std::uint64_t hash = copy_mesh(context, source, *sink, options, stages, report, lod);
+        lod.target_triangles = lod.triangles;
+        finish_lod(*sink, lod, stages, report);
+        report.input.topology = input_topology;
+        stages.end();
+        finish_report(hash);
+        return report;
     }
     StartMesh start_mesh = make_start_mesh(context, source, options, stages, report);
     report.input.topology = input_topology;
@@ -141,33 +180,15 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const Simp
         stages.begin("write", 0, "bytes");
         const std::unique_ptr<MeshSink> sink = sinks(i);
         output.write(chain.mesh(), *sink, lod);
-        sink->finish();
-        lod.quantization = sink->displacement();
-        lod.error_bound += lod.quantization;
         lod.lost_cells = chain.lost_cells();
         lod.lost = chain.lost_places();
-        lod.bytes = sink->bytes_written();
-        stages.add_bytes_written(lod.bytes);
-        report.bytes_written += lod.bytes;
-        report.lods.push_back(std::move(lod));
+        finish_lod(*sink, lod, stages, report);
         if (i > 0 && parents) all_parents.push_back(output.parents(chain.merges()));
     }
     stages.end();
     for (std::size_t i = 0; i < all_parents.size(); ++i) parents(i, all_parents[i]);
 
-    report.stages = stages.stages();
-    report.warnings = context.warnings();
-    report.bytes_read = source.bytes_read();
-    report.peak_budget_bytes = stages.peak_budget_bytes();
-    report.peak_temp_bytes = context.spill().peak();
-    report.temp_bytes_written = context.spill().bytes_written();
-    report.temp_bytes_read = context.spill().bytes_read();
-    report.peak_resident_bytes = ooc::peak_resident_bytes();
-    report.result_hash = hex(output.hash());
-    report.input.opening_seconds = source.opening_seconds();
-    report.seconds =
-        source.opening_seconds() +
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    finish_report(output.hash());
     return report;
 }
 

@@ -83,20 +83,15 @@ class ArraySource final : public MeshSource {
           normal_map_(mesh_.transform),
           is_moved_(mesh_.transform != kIdentity),
           reporter_(mesh_.name, is_strict) {
-        const std::uint64_t n_corners =
-            mesh_.indices.count > 0 ? mesh_.indices.count : mesh_.positions.count;
         info_.name = mesh_.name;
         info_.format = mesh_.format;
         info_.n_bytes = mesh_.n_bytes;
         info_.ignored = mesh_.ignored;
         info_.n_vertices = mesh_.positions.count;
-        info_.n_faces = mesh_.mode == ArrayMesh::Mode::Triangles
-                            ? n_corners / 3
-                            : n_corners - std::min<std::uint64_t>(n_corners, 2);
+        info_.n_faces = mesh_.n_faces();
         info_.has_double_positions = mesh_.has_double_positions;
         info_.has_normals = mesh_.normals.count > 0;
-        constexpr std::array<double, 4> kWhite{1, 1, 1, 1};
-        info_.has_colors = mesh_.colors.count > 0 || mesh_.color_factor != kWhite;
+        info_.has_colors = mesh_.has_any_color();
         info_.has_alpha =
             info_.has_colors && (mesh_.colors.n_components == 4 || mesh_.color_factor[3] != 1);
     }

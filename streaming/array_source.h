@@ -65,6 +65,16 @@ struct ArrayMesh {
     bool has_double_positions = false;
     /// Of temporary files behind the arrays that no other mesh has told.
     std::uint64_t held_temp_bytes = 0;
+
+    [[nodiscard]] bool has_any_color() const {
+        return colors.count > 0 || color_factor != std::array<double, 4>{1, 1, 1, 1};
+    }
+    /// Triangles, those that stitch a strip included.
+    [[nodiscard]] std::uint64_t n_faces() const {
+        const std::uint64_t n = indices.count > 0 ? indices.count : positions.count;
+        if (mode == Mode::Triangles) return n / 3;
+        return n < 2 ? 0 : n - 2;
+    }
 };
 
 /// Reads where it lies; nothing is kept but the batches in flight. Indices outside the vertices are

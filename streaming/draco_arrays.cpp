@@ -34,8 +34,8 @@ constexpr std::size_t kFlagsAt = 10;  // the high byte, which has the flag of me
 constexpr unsigned char kHasMetadata = 0x80;
 constexpr unsigned char kEdgebreaker = 1;
 
-/// Number of faces that the header announces; nothing if it cannot be told without the decoder.
-std::optional<std::uint64_t> announced_faces(std::span<const char> bytes) {
+/// Nothing if it cannot be told without the decoder.
+std::optional<DracoCounts> announced_by(std::span<const char> bytes) {
     const auto at = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
     if (bytes.size() < kHeaderBytes + 2) return {};
     const bool has_varints = at(kMajorAt) > 2 || (at(kMajorAt) == 2 && at(kMinorAt) >= 2);
@@ -50,11 +50,12 @@ std::optional<std::uint64_t> announced_faces(std::span<const char> bytes) {
         }
         return {};
     };
-    if (at(kMethodAt) == kEdgebreaker) {
-        ++i;                       // kind of traversal
-        if (!varint()) return {};  // vertices
-    }
-    return varint();
+    const bool is_edgebreaker = at(kMethodAt) == kEdgebreaker;
+    if (is_edgebreaker) ++i;  // kind of traversal
+    const auto first = varint();
+    const auto second = varint();
+    if (!first || !second) return {};
+    return is_edgebreaker ? DracoCounts{*first, *second} : DracoCounts{*second, *first};
 }
 
 /// Writes records of `n` elements, made by fill(first, piece), behind what is there.
@@ -134,6 +135,14 @@ void require_whole(const draco::Mesh& mesh, const draco::PointAttribute* positio
 
 }  // namespace
 
+std::optional<DracoCounts> announced_counts(const ooc::InputFile& file) {
+    constexpr std::size_t kKindAt = 7;
+    std::array<char, 64> bytes{};
+    const std::size_t n = file.read_at(0, bytes.data(), bytes.size());
+    if (n <= kKindAt || bytes[kKindAt] != draco::TRIANGULAR_MESH) return {};
+    return announced_by({bytes.data(), n});
+}
+
 ArrayMesh decode_draco(const ooc::InputFile& file, std::uint64_t offset, std::uint64_t n_bytes,
                        const DracoIds& ids, const OpenOptions& options) {
     const std::string place = file.path().string() + ": byte " + std::to_string(offset) + ": ";
@@ -150,7 +159,9 @@ ArrayMesh decode_draco(const ooc::InputFile& file, std::uint64_t offset, std::ui
     const ooc::Reservation encoded = need(n_bytes);
     std::vector<char> bytes(n_bytes);
     bytes.resize(file.read_at(offset, bytes.data(), n_bytes));
-    const ooc::Reservation decoded = need(kBytesPerFace * announced_faces(bytes).value_or(n_bytes));
+    const auto announced = announced_by(bytes);
+    const std::uint64_t n_faces = announced ? announced->n_faces : n_bytes;
+    const ooc::Reservation decoded = need(kBytesPerFace * n_faces);
     try {
         const std::unique_ptr<draco::Mesh> mesh = decode(bytes, place);
         const auto* const positions =

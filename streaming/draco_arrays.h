@@ -19,6 +19,15 @@ struct DracoIds {
     std::optional<std::uint32_t> colors;
 };
 
+/// What the header announces; what is decoded may have a few points more.
+struct DracoCounts {
+    std::uint64_t n_points = 0;
+    std::uint64_t n_faces = 0;
+};
+
+/// Of a file. Nothing if only the decoder could tell: point clouds, metadata, old versions.
+std::optional<DracoCounts> announced_counts(const ooc::InputFile& file);
+
 /// Decodes `n_bytes` at `offset` of the file to arrays in a temporary file; the names and all but
 /// the arrays of the result are the caller's. The decoder of the library holds all of the mesh at
 /// once. Its size is taken from the counts in the header, which are not trusted: what they ask for

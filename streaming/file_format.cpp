@@ -8,6 +8,7 @@
 
 #include "hewer/error.h"
 #include "hewer/mesh_source.h"
+#include "streaming/om_reader.h"
 #include "streaming/stl_reader.h"
 
 namespace hewer::streaming {
@@ -15,7 +16,7 @@ namespace hewer::streaming {
 namespace {
 
 constexpr const char* kFormats =
-    "hewer reads PLY, STL, OBJ, OFF, glTF, GLB and Draco, also compressed (.gz, .zst)";
+    "hewer reads PLY, STL, OBJ, OFF, OpenMesh, glTF, GLB and Draco, also compressed (.gz, .zst)";
 
 // Prefixes that name a format by themselves.
 constexpr std::array<std::pair<std::string_view, FileFormat>, 4> kOurs{{
@@ -30,31 +31,68 @@ struct Signature {
     const char* meaning;
 };
 
-constexpr std::array<Signature, 22> kForeign{{
-    {"PK\x03\x04", "a ZIP archive; unpack it first"},
-    {"\xfd"
-     "7zXZ",
+constexpr auto kForeign = std::to_array<Signature>({
+    {{"PK\x03\x04", 4}, "a ZIP archive; unpack it first"},
+    {{"\xfd"
+      "7zXZ",
+      5},
      "xz-compressed data; unpack it first"},
     {"BZh", "bzip2-compressed data; unpack it first"},
     {"7z\xbc\xaf\x27\x1c", "a 7-Zip archive; unpack it first"},
+    {"Rar!", "a RAR archive; unpack it first"},
+    {{"\x04\x22\x4d\x18", 4}, "LZ4-compressed data; unpack it first"},
     {"LASF", "a LAS or LAZ point cloud, which has no triangles"},
     {"ASTM-E57", "an E57 point cloud, which has no triangles"},
     {"# .PCD", "a PCD point cloud, which has no triangles"},
-    {"Kaydara FBX", "FBX"},
+    {{"NGSP", 4}, "an SPZ file of Gaussian splats, which have no triangles"},
+    {{"\xff\xfe", 2}, "text in UTF-16; convert it to UTF-8 first"},
+    {{"\xfe\xff", 2}, "text in UTF-16; convert it to UTF-8 first"},
+    {"Kaydara FBX", "FBX; export it as glTF, OBJ or PLY"},
+    {"; FBX", "FBX; export it as glTF, OBJ or PLY"},
+    {"BLENDER", "a Blender file; export it as glTF, OBJ or PLY"},
+    {"ISO-10303-21", "STEP or IFC, which describe solids; export a triangle mesh"},
+    {"#usda", "USD; export it as glTF, OBJ or PLY"},
+    {"PXR-USDC", "USD; export it as glTF, OBJ or PLY"},
+    {"Ogawa", "Alembic; export it as glTF, OBJ or PLY"},
     {"# vtk", "a legacy VTK file"},
     {"#VRML", "VRML"},
-    {"#usda", "USD"},
-    {"PXR-USDC", "USD"},
-    {"<?xml", "XML (COLLADA, X3D, VTK, ...)"},
     {"<VTKFile", "a VTK XML file"},
+    {"AC10", "an AutoCAD drawing"},
+    {"IDP2", "a Quake model"},
     {"\x89HDF", "HDF5"},
+    {"SQLite format 3", "an SQLite database"},
     {"\x89PNG", "a PNG image"},
     {"\xff\xd8\xff", "a JPEG image"},
     {"GIF8", "a GIF image"},
     {{"II*\0", 4}, "a TIFF image"},
     {{"MM\0*", 4}, "a TIFF image"},
+    {{"\x76\x2f\x31\x01", 4}, "an OpenEXR image"},
+    {"#?RADIANCE", "a Radiance image"},
+    {"8BPS", "a Photoshop image"},
+    {"\xabKTX", "a KTX texture"},
     {"%PDF", "a PDF document"},
     {"RIFF", "a RIFF file (WebP image, sound)"},
+    {"\x7f"
+     "ELF",
+     "a program"},
+});
+
+/// What ZIP archives are used for, by the names of their files.
+constexpr std::array<std::pair<std::string_view, const char*>, 4> kZipped{{
+    {".3mf", "3MF; export it as STL, OBJ or PLY"},
+    {".usdz", "USD; export it as glTF, OBJ or PLY"},
+    {".kmz", "KMZ; unpack it first"},
+    {".fcstd", "a FreeCAD document; export a triangle mesh"},
+}};
+
+/// What begins with an angle bracket, by the first of these words.
+constexpr std::array<std::pair<std::string_view, const char*>, 6> kMarkup{{
+    {"<!doctype html", "an HTML page"},
+    {"<html", "an HTML page"},
+    {"<collada", "COLLADA; export it as glTF, OBJ or PLY"},
+    {"<x3d", "X3D; export it as glTF, OBJ or PLY"},
+    {"<vtkfile", "a VTK XML file"},
+    {"<svg", "an SVG drawing"},
 }};
 
 bool is_text(std::string_view head) {
@@ -120,22 +158,53 @@ bool is_ascii_stl(std::string_view head) {
            (has_word(head, "facet") || has_word(head, "endsolid"));
 }
 
-/// What a file that no reader takes seems to be; empty if there is no telling.
-std::string describe(std::string_view head) {
-    for (const Signature& signature : kForeign) {
-        if (head.substr(0, signature.bytes.size()) == signature.bytes) return signature.meaning;
-    }
-    if (!is_text(head)) return {};
-    const std::size_t first = head.find_first_not_of(" \t\r\n");
-    if (first != head.npos && head[first] == '{') return "JSON, but not glTF";
-    return "text of a format unknown to hewer";
-}
-
 std::string lower_extension(const std::filesystem::path& path) {
     std::string extension = path.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     return extension;
+}
+
+/// A tar archive has its mark far from its beginning.
+bool is_tar(std::string_view head) {
+    constexpr std::size_t kMarkAt = 257;
+    return head.size() > kMarkAt && head.substr(kMarkAt, 5) == "ustar";
+}
+
+/// Lines of nothing but numbers, three or more: points as text.
+bool is_number_lines(std::string_view head) {
+    unsigned n_lines = 0;
+    for (std::string_view line = next_line(head); !line.empty(); line = next_line(head)) {
+        if (line.find_first_not_of("0123456789+-.eE,; \t") != line.npos) return false;
+        if (line.find_first_of(" \t,;") == line.npos && n_lines > 0) return false;
+        ++n_lines;
+    }
+    return n_lines > 2;
+}
+
+/// What a file that no reader takes seems to be; empty if there is no telling.
+std::string describe(std::string_view head, const std::string& name) {
+    for (const Signature& signature : kForeign) {
+        if (head.substr(0, signature.bytes.size()) != signature.bytes) continue;
+        if (head.substr(0, 2) == "PK") {
+            for (const auto& [extension, meaning] : kZipped) {
+                if (lower_extension(name) == extension) return meaning;
+            }
+        }
+        return signature.meaning;
+    }
+    if (is_tar(head)) return "a tar archive; unpack it first";
+    if (!is_text(head)) return {};
+    const std::size_t first = head.find_first_not_of(" \t\r\n");
+    if (first != head.npos && head[first] == '{') return "JSON, but not glTF";
+    if (first != head.npos && head[first] == '<') {
+        for (const auto& [word, meaning] : kMarkup) {
+            if (has_word(head, word)) return meaning;
+        }
+        return "XML";
+    }
+    if (is_number_lines(head)) return "points as text, which have no triangles";
+    return "text of a format unknown to hewer";
 }
 
 /// STL has no signature. If its count is wrong too, the comment field is a hint: text, or zeros.
@@ -162,10 +231,11 @@ struct Name {
     const char* name;
     FileFormat format;
 };
-constexpr std::array<Name, 7> kNames{{{"ply", FileFormat::Ply},
+constexpr std::array<Name, 8> kNames{{{"ply", FileFormat::Ply},
                                       {"stl", FileFormat::BinaryStl},
                                       {"obj", FileFormat::Obj},
                                       {"off", FileFormat::Off},
+                                      {"om", FileFormat::OpenMesh},
                                       {"gltf", FileFormat::Gltf},
                                       {"glb", FileFormat::Glb},
                                       {"drc", FileFormat::Draco}}};
@@ -177,6 +247,13 @@ std::vector<std::string> format_names() {
     names.reserve(kNames.size());
     for (const Name& n : kNames) names.emplace_back(n.name);
     return names;
+}
+
+std::string name_of(FileFormat format) {
+    if (format == FileFormat::AsciiStl) format = FileFormat::BinaryStl;
+    const auto* const it = std::find_if(kNames.begin(), kNames.end(),
+                                        [&](const Name& n) { return n.format == format; });
+    return it == kNames.end() ? std::string() : it->name;
 }
 
 FileFormat format_named(std::string_view name, const ooc::InputFile& file) {
@@ -210,6 +287,7 @@ FileFormat detect_format(const ooc::InputFile& file) {
     // Not only as text: the reader says that it does not take binary OFF.
     if (is_off(head)) return FileFormat::Off;
     if (is_whole_binary_stl(file)) return FileFormat::BinaryStl;
+    if (find_om_header(file)) return FileFormat::OpenMesh;
     if (is_ascii_stl(head)) return FileFormat::AsciiStl;
     if (is_text(head)) {
         const std::size_t first = head.find_first_not_of(" \t\r\n");
@@ -219,7 +297,7 @@ FileFormat detect_format(const ooc::InputFile& file) {
         }
         if (is_obj(head) || lower_extension(name) == ".obj") return FileFormat::Obj;
     }
-    const std::string meaning = describe(head);
+    const std::string meaning = describe(head, name);
     if (!meaning.empty()) {
         throw FormatError(name + ": this seems to be " + meaning + "; " + kFormats);
     }

@@ -19,6 +19,7 @@ enum class FileFormat {
     Gltf,  ///< JSON
     Glb,
     Draco,
+    OpenMesh,
 };
 
 /// What has to be done before the content can be told; nothing for plain files.
@@ -27,6 +28,9 @@ Packing detect_packing(const ooc::InputFile& file);
 
 /// The format that a user's word for it means: "ply", "stl", ... Throws InvalidArgument.
 FileFormat format_named(std::string_view name, const ooc::InputFile& file);
+
+/// The word for a format.
+std::string name_of(FileFormat format);
 
 /// The words for format_named().
 std::vector<std::string> format_names();

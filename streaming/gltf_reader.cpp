@@ -67,12 +67,15 @@ Bounds claimed_bounds(const gltf::Accessor& positions, const Affine& m) {
     return bounds;
 }
 
+enum class Look { AtData, AtDocument };
+
 class Scene {
   public:
-    Scene(GltfDocument document, const OpenOptions& options)
+    Scene(GltfDocument document, const OpenOptions& options, Look look)
         : document_(std::move(document)),
           model_(document_.model),
           options_(options),
+          look_(look),
           arrays_(document_, options_) {
         require_known_extensions();
         if (model_.has_animations) ignore("animations");
@@ -80,11 +83,6 @@ class Scene {
 
     std::unique_ptr<MeshSource> open() {
         place_all();
-        if (placed_.empty()) {
-            throw FormatError(document_.name + ": the mesh has no faces: no triangles in " +
-                              std::to_string(model_.meshes.size()) + " meshes and " +
-                              std::to_string(model_.nodes.size()) + " nodes");
-        }
         drop_the_one_colour();
         if (placed_.size() == 1) placed_.front().name = document_.name;
         // What concerns all of them is told by one.
@@ -98,6 +96,23 @@ class Scene {
         }
         if (parts.size() == 1) return std::move(parts.front());
         return join_sources(std::move(parts), document_.name, format());
+    }
+
+    bool describe(InputReport& report) {
+        place_all();
+        drop_the_one_colour();
+        report.format = format();
+        report.bytes = document_.n_bytes;
+        for (const ArrayMesh& mesh : placed_) {
+            report.vertices += mesh.positions.count;
+            report.faces += mesh.n_faces();
+            report.has_normals = report.has_normals || mesh.normals.count > 0;
+            report.has_colors = report.has_colors || mesh.has_any_color();
+        }
+        report.triangles = report.faces;
+        report.ignored = ignored_;
+        if (is_all_claimed_) report.bounds = claimed_;
+        return is_encoded_;
     }
 
   private:
@@ -131,6 +146,14 @@ class Scene {
     }
 
     void place_all() {
+        place_roots();
+        if (!placed_.empty()) return;
+        throw FormatError(document_.name + ": the mesh has no faces: no triangles in " +
+                          std::to_string(model_.meshes.size()) + " meshes and " +
+                          std::to_string(model_.nodes.size()) + " nodes");
+    }
+
+    void place_roots() {
         std::vector<std::int64_t> roots;
         const std::size_t n_scenes = model_.scenes.size();
         const auto asked = static_cast<std::size_t>(std::max<std::int64_t>(model_.scene, 0));
@@ -216,6 +239,8 @@ class Scene {
                 claimed_bounds(model_.accessors[static_cast<std::size_t>(it->second)], transform);
             placed_.back().has_double_positions =
                 transform != kIdentity && float_is_too_coarse(bounds);
+            claimed_.extend(bounds);
+            is_all_claimed_ = is_all_claimed_ && !bounds.is_empty();
         }
     }
 
@@ -258,7 +283,9 @@ class Scene {
             throw FormatError(what + ": there is no accessor " + std::to_string(position->second));
         }
         name_ignored(primitive);
-        if (primitive.draco) {
+        if (look_ == Look::AtDocument) {
+            claim(primitive, arrays, what);
+        } else if (primitive.draco) {
             decode(*primitive.draco, what, arrays);
         } else {
             fill(primitive, arrays, what);
@@ -281,6 +308,31 @@ class Scene {
             if (name != "POSITION" && name != "NORMAL" && name != "COLOR_0") ignore(name);
         }
         if (primitive.has_targets) ignore("morph targets");
+    }
+
+    /// What the document says of the arrays, without a look for their bytes.
+    void claim(const gltf::Primitive& primitive, ArrayMesh& arrays, const std::string& what) {
+        const auto claim_one = [&](std::int64_t index, StridedArray& array) {
+            if (index < 0 || static_cast<std::size_t>(index) >= model_.accessors.size()) {
+                throw FormatError(what + ": there is no accessor " + std::to_string(index));
+            }
+            const gltf::Accessor& accessor = model_.accessors[static_cast<std::size_t>(index)];
+            array.count = accessor.count;
+            const bool is_packed =
+                accessor.view >= 0 &&
+                static_cast<std::size_t>(accessor.view) < model_.views.size() &&
+                model_.views[static_cast<std::size_t>(accessor.view)].meshopt.has_value();
+            is_encoded_ = is_encoded_ || accessor.sparse || is_packed;
+        };
+        const auto claim_named = [&](const char* name, StridedArray& array) {
+            const auto it = primitive.attributes.find(name);
+            if (it != primitive.attributes.end()) claim_one(it->second, array);
+        };
+        claim_named("POSITION", arrays.positions);
+        claim_named("NORMAL", arrays.normals);
+        claim_named("COLOR_0", arrays.colors);
+        if (primitive.indices >= 0) claim_one(primitive.indices, arrays.indices);
+        is_encoded_ = is_encoded_ || primitive.draco;
     }
 
     void fill(const gltf::Primitive& primitive, ArrayMesh& arrays, const std::string& what) {
@@ -323,17 +375,27 @@ class Scene {
     GltfDocument document_;
     const gltf::Model& model_;
     const OpenOptions& options_;
+    Look look_;
     GltfArrays arrays_;
     std::vector<std::string> ignored_;
     std::map<std::pair<std::int64_t, std::size_t>, ArrayMesh> primitives_;
     std::vector<ArrayMesh> placed_;
+    Bounds claimed_;
+    bool is_all_claimed_ = true;
+    bool is_encoded_ = false;
 };
 
 }  // namespace
 
 std::unique_ptr<MeshSource> open_gltf(std::unique_ptr<ooc::InputFile> file, bool is_binary,
                                       const OpenOptions& options) {
-    return Scene(read_gltf(std::move(file), is_binary, options), options).open();
+    return Scene(read_gltf(std::move(file), is_binary, options), options, Look::AtData).open();
+}
+
+bool glance_gltf(std::unique_ptr<ooc::InputFile> file, bool is_binary, const OpenOptions& options,
+                 InputReport& report) {
+    return Scene(read_gltf(std::move(file), is_binary, options), options, Look::AtDocument)
+        .describe(report);
 }
 
 }  // namespace hewer::streaming

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "hewer/mesh_source.h"
+#include "hewer/report.h"
 #include "ooc/file.h"
 
 namespace hewer::streaming {
@@ -21,5 +22,12 @@ namespace hewer::streaming {
 /// Throws: FormatError, IoError, OutOfMemoryBudget, OutOfDiskBudget.
 std::unique_ptr<MeshSource> open_gltf(std::unique_ptr<ooc::InputFile> file, bool is_binary,
                                       const OpenOptions& options);
+
+/// What the document says of that: format, bytes of all files, counts, attributes, and the box that
+/// the accessors claim (around the turned boxes of what is placed), if all of them do. Nothing but
+/// the JSON is read. Returns whether some of it has to be decoded before it can be read.
+/// Throws as open_gltf().
+bool glance_gltf(std::unique_ptr<ooc::InputFile> file, bool is_binary, const OpenOptions& options,
+                 InputReport& report);
 
 }  // namespace hewer::streaming

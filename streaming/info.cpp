@@ -18,6 +18,7 @@
 #include "ooc/parallel.h"
 #include "ooc/progress_part.h"
 #include "ooc/units.h"
+#include "streaming/glance.h"
 #include "streaming/topology_scan.h"
 
 namespace hewer {
@@ -198,6 +199,11 @@ class Inspector {
 }  // namespace
 
 InputReport info(const InputPaths& input, const InfoOptions& options, const Hooks& hooks) {
+    if (!options.with_topology) {
+        const auto glanced =
+            streaming::glance(list_files(input), options.whole_below, opening(options), hooks);
+        if (glanced) return *glanced;
+    }
     const std::unique_ptr<MeshSource> source =
         open_mesh(input, opening(options), ooc::part_of(hooks, 0, kImported));
     const double from = source->held_temp_bytes() > 0 ? kImported : 0;

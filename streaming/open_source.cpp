@@ -18,6 +18,7 @@
 #include "streaming/mesh_import.h"
 #include "streaming/obj_reader.h"
 #include "streaming/off_reader.h"
+#include "streaming/om_reader.h"
 #include "streaming/ply_header.h"
 #include "streaming/ply_reader.h"
 #include "streaming/stl_reader.h"
@@ -74,6 +75,8 @@ std::unique_ptr<MeshSource> open_as(FileFormat format, std::unique_ptr<ooc::Inpu
             return streaming::open_gltf(std::move(file), true, options);
         case FileFormat::Draco:
             return streaming::open_draco(std::move(file), options);
+        case FileFormat::OpenMesh:
+            return streaming::open_om(std::move(file), options, hooks);
         case FileFormat::AsciiStl:
             return streaming::open_ascii_stl(*file, options, hooks);
         case FileFormat::Obj:

@@ -39,6 +39,19 @@ bool is_finite(const SoupTriangle& triangle) {
     return !probe.any();
 }
 
+/// Its corners, behind the normal.
+SoupTriangle corners_of(const unsigned char* triangle) {
+    SoupTriangle corners;
+    const unsigned char* p = triangle + kNormalBytes;
+    for (Vec3& corner : corners) {
+        for (double& x : corner) {
+            x = static_cast<double>(load<float, kSwap>(p));
+            p += sizeof(float);
+        }
+    }
+    return corners;
+}
+
 class StlSource final : public MeshSource {
   public:
     StlSource(std::unique_ptr<ooc::InputFile> file, bool is_strict)
@@ -108,13 +121,9 @@ class StlSource final : public MeshSource {
         batch.points.resize(n);
         NonfiniteProbe probe;
         for (SoupTriangle& triangle : batch.points) {
-            const unsigned char* coordinate = p + kNormalBytes;
-            for (Vec3& point : triangle) {
-                for (double& x : point) {
-                    x = static_cast<double>(load<float, kSwap>(coordinate));
-                    coordinate += sizeof(float);
-                    probe.add(x);
-                }
+            triangle = corners_of(p);
+            for (const Vec3& point : triangle) {
+                for (const double x : point) probe.add(x);
             }
             p += kStlTriangleBytes;
         }
@@ -149,6 +158,26 @@ class StlSource final : public MeshSource {
 bool is_whole_binary_stl(const ooc::InputFile& file) {
     return file.size() >= kStlHeaderBytes &&
            file.size() == kStlHeaderBytes + announced_count(file) * kStlTriangleBytes;
+}
+
+Bounds sample_stl_box(const ooc::InputFile& file) {
+    constexpr std::uint64_t kPieces = 64;
+    constexpr std::uint64_t kPieceTriangles = 1 << 11;
+    const std::uint64_t n =
+        (file.size() - std::min(file.size(), kStlHeaderBytes)) / kStlTriangleBytes;
+    const std::uint64_t distance = std::max(n / kPieces, kPieceTriangles);
+    Bounds bounds;
+    std::vector<unsigned char> bytes(kPieceTriangles * kStlTriangleBytes);
+    for (std::uint64_t first = 0; first < n; first += distance) {
+        const std::size_t got =
+            file.read_at(kStlHeaderBytes + first * kStlTriangleBytes, bytes.data(), bytes.size());
+        for (std::size_t at = 0; at + kStlTriangleBytes <= got; at += kStlTriangleBytes) {
+            const SoupTriangle corners = corners_of(bytes.data() + at);
+            if (!is_finite(corners)) continue;
+            for (const Vec3& p : corners) bounds.extend(p);
+        }
+    }
+    return bounds;
 }
 
 std::unique_ptr<MeshSource> open_binary_stl(std::unique_ptr<ooc::InputFile> file, bool is_strict) {

@@ -17,6 +17,9 @@ constexpr std::uint64_t kStlTriangleBytes = 50;
 /// begin with "solid" like the text variant.
 bool is_whole_binary_stl(const ooc::InputFile& file);
 
+/// The box of triangles in pieces at equal distances.
+Bounds sample_stl_box(const ooc::InputFile& file);
+
 /// A triangle soup. Stored normals and attribute bytes are not carried. A count that is wrong while
 /// the size fits a whole number of triangles is replaced by that number and noted in
 /// SourceInfo::ignored (some writers leave it 0, and beyond 2^32 triangles it cannot be right).

@@ -83,7 +83,7 @@ struct FreeZstd {
 }  // namespace
 
 std::unique_ptr<ooc::InputFile> unpack_gzip(const ooc::InputFile& file, const OpenOptions& options,
-                                            const Hooks& hooks) {
+                                            const Hooks& hooks, std::uint64_t wanted_bytes) {
     ooc::Context context(limits_of(options), hooks, {{"unpack", 1}});
     const auto memory =
         context.budget().reserve("decompression", kInBytes + kOutBytes + kZlibBytes);
@@ -114,6 +114,7 @@ std::unique_ptr<ooc::InputFile> unpack_gzip(const ooc::InputFile& file, const Op
                                       "; compress it again from the original");
                 }
                 unpacked.append(out.data(), out.size() - z->avail_out);
+                if (unpacked.size() >= wanted_bytes) return unpacked.finish(file.path());
                 is_at_end_of_member = result == Z_STREAM_END;
             } while (!is_at_end_of_member && z->avail_out == 0);
         }
@@ -126,7 +127,7 @@ std::unique_ptr<ooc::InputFile> unpack_gzip(const ooc::InputFile& file, const Op
 }
 
 std::unique_ptr<ooc::InputFile> unpack_zstd(const ooc::InputFile& file, const OpenOptions& options,
-                                            const Hooks& hooks) {
+                                            const Hooks& hooks, std::uint64_t wanted_bytes) {
     ooc::Context context(limits_of(options), hooks, {{"unpack", 1}});
     const auto memory = context.budget().reserve("decompression", kInBytes + kOutBytes);
     TemporaryInput unpacked(options);
@@ -172,6 +173,7 @@ std::unique_ptr<ooc::InputFile> unpack_zstd(const ooc::InputFile& file, const Op
                 window = context.budget().reserve("window of the Zstandard data", held_bytes);
             }
             if (output.pos > 0) unpacked.append(out.data(), output.pos);
+            if (unpacked.size() >= wanted_bytes) return unpacked.finish(file.path());
             has_more = output.pos == output.size;
             if (!has_more && input.pos == consumed && input.pos < input.size && output.pos == 0) {
                 break;  // no progress: needs the next piece

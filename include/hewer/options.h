@@ -19,7 +19,9 @@ enum class Method {
     Refine,  ///< fine grid, refined coarse to fine, finished by edge collapse (RSimp on OoCS cells)
     Uniform,  ///< one grid as coarse as the target (OoCS): fastest
     Full,     ///< every original vertex takes part (VMRSimp), with feedback: best and slowest
-    Auto,     ///< Full for inputs of up to a million vertices, Refine for larger ones
+    Copy,     ///< every triangle as it is: for other formats; docs/output_formats.md
+    Auto,     ///< Full for inputs of up to a million vertices, Refine for larger ones; Copy for one
+              ///< LOD of the ratio 1, unless options ask for work that Copy does not do
 };
 
 /// What makes a cluster the worst one, to be split next.
@@ -43,7 +45,8 @@ struct Target {
 
 struct SimplifyOptions {
     /// One per level of detail. Several must be of one kind and go from fine to coarse; all of them
-    /// come from one read of the input and nest.
+    /// come from one read of the input and nest. Copy needs none, and takes no other than the ratio
+    /// 1.
     std::vector<Target> targets;
 
     Method method = Method::Auto;

@@ -39,6 +39,16 @@ struct TopologyReport {
 };
 
 struct InputReport {
+    /// Where the figures are from, the weakest last.
+    enum class Basis {
+        Whole,   ///< everything was read
+        Header,  ///< counts and attributes are the file's own claim, polygons counted as triangles;
+                 ///< bounds are what it claims or those of a sample, empty if there is neither;
+                 ///< area and defects are not known
+        Sample,  ///< all are estimates, from pieces of the file
+        Name,    ///< only the format is known
+    };
+
     std::string path;
     std::string format;
     std::uint64_t bytes = 0;
@@ -51,7 +61,8 @@ struct InputReport {
     bool has_colors = false;
     std::vector<std::string> ignored;
     InputDefects defects;
-    double area = 0;  ///< of all triangles, square model units
+    double area = 0;  ///< of all triangles, square model units; 0 with Method::Copy
+    Basis basis = Basis::Whole;
     int vertex_passes = 0;
     int triangle_passes = 0;
     std::optional<TopologyReport> topology;  ///< where it was asked for; of a soup by positions

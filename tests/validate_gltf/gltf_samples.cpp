@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Writes one file for each thing that a glTF file of ours can hold: gltf_samples FOLDER.
+/// Writes one file for each thing that a glTF file of ours can hold: gltf_samples FOLDER. With
+/// --draco in front, .drc files and Draco-compressed GLB files instead.
 #include <exception>
 #include <filesystem>
 #include <iostream>
@@ -35,7 +36,24 @@ void write(const std::filesystem::path& folder, const std::string& name, const M
     }
 }
 
-void write_all(const std::filesystem::path& folder) {
+/// At the precisions that are the fewest, the usual and the most bits.
+void write_draco(const std::filesystem::path& folder, const std::string& name, const Mesh& mesh) {
+    for (const char* extension : {".drc", ".glb"}) {
+        for (const double bits : {8, 14, 30}) {
+            if (extension == std::string(".glb") && bits > 16) continue;
+            const std::filesystem::path path =
+                folder / (name + "_" + std::to_string(static_cast<int>(bits)) + extension);
+            hewer::MeshFileOptions options{.overwrite = true};
+            options.quantization = {hewer::Quantization::Kind::Bits, bits};
+            if (extension == std::string(".glb")) options.compression = hewer::Compression::Draco;
+            hewer::tests::pour(mesh, *hewer::create_mesh_file(path, options));
+            std::cout << path.string() << '\n';
+        }
+    }
+}
+
+template <typename Write>
+void write_all(const std::filesystem::path& folder, const Write& write) {
     const Mesh both = wavy_sheet(60, 1, {0, 0, 0});
     Mesh normals = both;
     normals.colors.clear();
@@ -58,12 +76,17 @@ void write_all(const std::filesystem::path& folder) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc != 2) {
-        std::cerr << "usage: gltf_samples FOLDER\n";
+    const bool is_draco = argc == 3 && std::string(argv[1]) == "--draco";
+    if (argc != 2 && !is_draco) {
+        std::cerr << "usage: gltf_samples [--draco] FOLDER\n";
         return 2;
     }
     try {
-        write_all(argv[1]);
+        if (is_draco) {
+            write_all(argv[2], write_draco);
+        } else {
+            write_all(argv[1], write);
+        }
     } catch (const std::exception& e) {
         std::cerr << e.what() << '\n';
         return 1;

@@ -12,6 +12,7 @@
 
 #include "hewer/error.h"
 #include "hewer/mesh_source.h"
+#include "tests/support/packed.h"
 #include "tests/support/ply_builder.h"
 #include "tests/support/read_back.h"
 #include "tests/support/temp_dir.h"
@@ -284,12 +285,70 @@ TEST_F(HostileInput, WhatIsNoMeshIsCalledByItsName) {
     expect_refused("\x1f\x8b\x08 zipped", {"gzip", "damaged"});
     expect_refused("PK\x03\x04 zipped", {"ZIP"});
     expect_refused("\x28\xb5\x2f\xfd zipped", {"Zstandard", "damaged"});
-    expect_refused("LASF and so on", {"LAS", "no triangles"});
-    expect_refused("\x89PNG\r\n\x1a\n", {"PNG"});
-    expect_refused("\xff\xd8\xff\xe0 JFIF", {"JPEG"});
-    expect_refused(std::string("MM\0*", 4) + "data", {"TIFF"});
     expect_refused("just words\n", {"text", "PLY"});
     expect_refused(std::string("\x01\x02\x03", 3), {"not a mesh file"});
+}
+
+TEST_F(HostileInput, OtherKindsOfFilesAreAnsweredWithWhatTheyAre) {
+    const auto bytes = [](const char* text, std::size_t n) { return std::string(text, n); };
+    std::string tar(600, 'x');
+    tar.replace(257, 5, "ustar");
+    struct Case {
+        std::string name;
+        std::string content;
+        std::string answer;
+    };
+    const std::vector<Case> cases{
+        {"a.las", "LASF and so on", "a LAS or LAZ point cloud, which has no triangles"},
+        {"a.laz", "LASF and so on", "a LAS or LAZ point cloud, which has no triangles"},
+        {"a.e57", "ASTM-E57" + bytes("\1\0\0\0", 4), "an E57 point cloud"},
+        {"a.pcd", "# .PCD v.7 - Point Cloud Data file format\n", "a PCD point cloud"},
+        {"a.xyz", "1.5 2 3\n1 2 3e-5\n-1 2 3\n4 5 6\n", "points as text"},
+        {"a.zip", "PK\x03\x04 zipped", "a ZIP archive; unpack it first"},
+        {"a.3mf", "PK\x03\x04 zipped", "3MF; export it as"},
+        {"a.usdz", "PK\x03\x04 zipped", "USD; export it as"},
+        {"a.7z", "7z\xbc\xaf\x27\x1c\x01", "a 7-Zip archive"},
+        {"a.rar", "Rar!\x1a\x07", "a RAR archive"},
+        {"a.xz",
+         bytes("\xfd"
+               "7zXZ\0",
+               6),
+         "xz-compressed data"},
+        {"a.tar", tar, "a tar archive; unpack it first"},
+        {"a.tar.gz", test::gzip(tar), "a tar archive; unpack it first"},
+        {"a.step", "ISO-10303-21;\nHEADER;\n", "STEP or IFC"},
+        {"a.fbx", "Kaydara FBX Binary  ", "FBX; export it as"},
+        {"b.fbx", "; FBX 7.4.0 project file\n", "FBX; export it as"},
+        {"a.blend", "BLENDER-v300", "a Blender file"},
+        {"a.usda", "#usda 1.0\n", "USD; export it as"},
+        {"a.usdc", "PXR-USDC", "USD; export it as"},
+        {"a.abc", "Ogawa" + bytes("\xff\0", 2), "Alembic"},
+        {"a.dae", "<?xml version=\"1.0\"?>\n<COLLADA version=\"1.4.1\">\n", "COLLADA"},
+        {"a.x3d", "<?xml version=\"1.0\"?>\n<X3D profile=\"Interchange\">\n", "X3D"},
+        {"a.wrl", "#VRML V2.0 utf8\n", "VRML"},
+        {"a.vtk", "# vtk DataFile Version 3.0\n", "a legacy VTK file"},
+        {"a.vtp", "<VTKFile type=\"PolyData\">\n", "a VTK XML file"},
+        {"a.html", "<!DOCTYPE html>\n<html></html>\n", "an HTML page"},
+        {"b.html", "\n<HTML><body></body></HTML>\n", "an HTML page"},
+        {"a.pdf", "%PDF-1.7\n", "a PDF document"},
+        {"a.json", "{\"a\": 1}\n", "JSON, but not glTF"},
+        {"a.png", "\x89PNG\r\n\x1a\n", "a PNG image"},
+        {"a.jpg", "\xff\xd8\xff\xe0 JFIF", "a JPEG image"},
+        {"a.gif", "GIF89a", "a GIF image"},
+        {"a.webp", "RIFF....WEBP", "a RIFF file"},
+        {"a.tif", bytes("MM\0*", 4) + "data", "a TIFF image"},
+        {"b.tif", bytes("II*\0", 4) + "data", "a TIFF image"},
+        {"a.exr", "\x76\x2f\x31\x01", "an OpenEXR image"},
+        {"a.obj",
+         bytes("\xff\xfe"
+               "v\0 \0",
+               6),
+         "text in UTF-16; convert it to UTF-8 first"},
+    };
+    for (const Case& c : cases) {
+        expect_refused(c.content, {"this seems to be " + c.answer, "hewer reads PLY"}, false,
+                       c.name);
+    }
 }
 
 TEST_F(HostileInput, DirectoriesAndMissingFilesAreIoErrors) {

@@ -2,20 +2,22 @@
 /// From paths to a source: compressed files, pipes, folders, patterns, several files as one model.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
-#include <zlib.h>
-#include <zstd.h>
 
 #include <fstream>
 #include <thread>
 
 #include "hewer/error.h"
 #include "hewer/mesh_source.h"
+#include "tests/support/packed.h"
 #include "tests/support/ply_builder.h"
 #include "tests/support/read_back.h"
 #include "tests/support/temp_dir.h"
 
 namespace hewer {
 namespace {
+
+using test::gzip;
+using test::zstd;
 
 test::PlyMesh strip_of(std::size_t n, double x0) {
     test::PlyMesh mesh;
@@ -28,32 +30,6 @@ test::PlyMesh strip_of(std::size_t n, double x0) {
         mesh.faces.push_back({a, a + 1, a + 2});
     }
     return mesh;
-}
-
-std::string gzip(const std::string& text) {
-    z_stream z{};
-    EXPECT_EQ(::deflateInit2(&z, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);
-    std::string out(::deflateBound(&z, text.size()) + 64, '\0');
-    std::string in = text;
-    z.next_in = reinterpret_cast<Bytef*>(in.data());
-    z.avail_in = static_cast<uInt>(in.size());
-    z.next_out = reinterpret_cast<Bytef*>(out.data());
-    z.avail_out = static_cast<uInt>(out.size());
-    EXPECT_EQ(::deflate(&z, Z_FINISH), Z_STREAM_END);
-    out.resize(z.total_out);
-    ::deflateEnd(&z);
-    return out;
-}
-
-/// With a checksum, as the format's own tool writes it.
-std::string zstd(const std::string& text, int level = 3) {
-    ZSTD_CCtx* const context = ::ZSTD_createCCtx();
-    ::ZSTD_CCtx_setParameter(context, ZSTD_c_compressionLevel, level);
-    ::ZSTD_CCtx_setParameter(context, ZSTD_c_checksumFlag, 1);
-    std::string out(::ZSTD_compressBound(text.size()), '\0');
-    out.resize(::ZSTD_compress2(context, out.data(), out.size(), text.data(), text.size()));
-    ::ZSTD_freeCCtx(context);
-    return out;
 }
 
 /// Reads `path` and expects the mesh of `text`, a PLY file.

@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: MIT
+#include "rsimp/copy.h"
+
+#include <bit>
+#include <cmath>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hewer/error.h"
+#include "ooc/array.h"
+#include "ooc/parallel.h"
+#include "rsimp/input_findings.h"
+#include "streaming/equal_corners.h"
+#include "streaming/ordered_points.h"
+#include "streaming/topology_counter.h"
+#include "streaming/topology_scan.h"
+#include "streaming/weld.h"
+
+namespace hewer::rsimp {
+
+namespace {
+
+constexpr std::uint64_t kWordBits = 64;
+
+/// A set of vertices, with the rank of each in it.
+class VertexSet {
+  public:
+    VertexSet(ooc::Context& context, std::uint64_t n_vertices)
+        : bits_(context.budget(), "vertices of a copy", n_vertices / kWordBits + 1) {}
+
+    void insert(std::uint64_t v) { bits_[v / kWordBits] |= std::uint64_t{1} << (v % kWordBits); }
+    [[nodiscard]] bool has(std::uint64_t v) const {
+        return (bits_[v / kWordBits] >> (v % kWordBits) & 1) != 0;
+    }
+
+    /// After the last insert(), once. Returns the size.
+    std::uint64_t count(ooc::Context& context) {
+        before_ = ooc::Array<std::uint64_t>(context.budget(), "ranks of a copy",
+                                            bits_.size() / kWordsPerRank + 1);
+        std::uint64_t n = 0;
+        for (std::uint64_t i = 0; i < bits_.size(); ++i) {
+            if (i % kWordsPerRank == 0) before_[i / kWordsPerRank] = n;
+            n += static_cast<std::uint64_t>(std::popcount(bits_[i]));
+        }
+        return n;
+    }
+    /// How many members are below v.
+    [[nodiscard]] std::uint64_t rank(std::uint64_t v) const {
+        const std::uint64_t word = v / kWordBits;
+        const std::uint64_t group = word / kWordsPerRank;
+        std::uint64_t n = before_[group];
+        for (std::uint64_t i = group * kWordsPerRank; i < word; ++i) {
+            n += static_cast<std::uint64_t>(std::popcount(bits_[i]));
+        }
+        const std::uint64_t below = (std::uint64_t{1} << (v % kWordBits)) - 1;
+        return n + static_cast<std::uint64_t>(std::popcount(bits_[word] & below));
+    }
+
+  private:
+    static constexpr std::uint64_t kWordsPerRank = 8;
+    ooc::Array<std::uint64_t> bits_;
+    ooc::Array<std::uint64_t> before_;  // members before each group of words
+};
+
+bool is_finite(const Vec3& p) {
+    return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+}
+
+class Copier {
+  public:
+    Copier(ooc::Context& context, MeshSource& source, MeshSink& sink,
+           const SimplifyOptions& options, StageLog& stages, SimplifyReport& report, LodReport& lod)
+        : context_(context),
+          source_(source),
+          info_(source.info()),
+          sink_(sink),
+          is_strict_(options.strict),
+          most_resident_(options.tuning.window_vertices),
+          stages_(stages),
+          input_(report.input),
+          lod_(lod) {}
+
+    std::uint64_t run() {
+        describe_input(info_, input_);
+        if (info_.is_indexed) {
+            copy_indexed();
+        } else if (sink_.takes_points()) {
+            copy_points();
+        } else {
+            copy_welded();
+        }
+        return hash_;
+    }
+
+  private:
+    void copy_indexed() {
+        VertexSet used(context_, info_.n_vertices);
+        survey(used);
+        lod_.vertices = used.count(context_);
+        begin_writing();
+        if (sink_.takes_points()) {
+            streaming::stream_points(context_, source_, most_resident_,
+                                     [&](auto triangles) { send(triangles); });
+            return;
+        }
+        send_vertices(used);
+        send_triangles(used);
+    }
+
+    /// Finds what is left out, what is used, and all counts.
+    void survey(VertexSet& used) {
+        VertexSet finite(context_, info_.n_vertices);
+        stages_.begin("vertices", info_.n_vertices, "vertices");
+        std::mutex mutex;
+        source_.begin_vertices();
+        context_.workers().on_each([&](unsigned) {
+            VertexBatch batch;
+            while (source_.next_vertices(batch)) {
+                const std::lock_guard lock(mutex);
+                for (std::size_t i = 0; i < batch.positions.size(); ++i) {
+                    if (!is_finite(batch.positions[i])) continue;
+                    input_.bounds.extend(batch.positions[i]);
+                    finite.insert(batch.first + i);
+                }
+                input_.defects.merge(batch.defects);
+                context_.advance(batch.positions.size());
+            }
+        });
+        ++input_.vertex_passes;
+        stages_.begin("triangles", info_.n_faces, "faces");
+        streaming::TopologyCounter topology(context_, info_.n_vertices, context_.sort_bytes());
+        std::vector<Triangle> kept;
+        std::uint64_t n_nonfinite = 0;
+        streaming::for_triangle_batches(context_, source_, [&](const TriangleBatch& batch) {
+            kept.clear();
+            for (const Triangle& t : batch.corners) {
+                if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
+                    ++input_.defects.degenerate_triangles;
+                } else if (finite.has(t[0]) && finite.has(t[1]) && finite.has(t[2])) {
+                    kept.push_back(t);
+                    for (const std::uint64_t v : t) used.insert(v);
+                } else {
+                    ++n_nonfinite;
+                }
+            }
+            input_.defects.merge(batch.defects);
+            input_.triangles += batch.corners.size();
+            lod_.triangles += kept.size();
+            topology.add(kept);
+        });
+        ++input_.triangle_passes;
+        input_.triangles -= n_nonfinite;
+        input_.defects.nonfinite_triangles += n_nonfinite;
+        judge();
+        lod_.topology = topology.finish();
+        lod_.bounds = input_.bounds;
+    }
+
+    void send_vertices(const VertexSet& used) {
+        VertexBatch batch;
+        source_.begin_vertices();
+        while (source_.next_vertices(batch)) {
+            keep_used(used, batch);
+            for (const Vec3& p : batch.positions) add_to_hash(p);
+            sink_.add_vertices({batch.positions, batch.normals, batch.colors});
+            context_.check_stop();
+        }
+        ++input_.vertex_passes;
+    }
+
+    static void keep_used(const VertexSet& used, VertexBatch& batch) {
+        std::size_t n = 0;
+        for (std::size_t i = 0; i < batch.positions.size(); ++i) {
+            if (!used.has(batch.first + i)) continue;
+            batch.positions[n] = batch.positions[i];
+            if (!batch.normals.empty()) batch.normals[n] = batch.normals[i];
+            if (!batch.colors.empty()) batch.colors[n] = batch.colors[i];
+            ++n;
+        }
+        batch.positions.resize(n);
+        if (!batch.normals.empty()) batch.normals.resize(n);
+        if (!batch.colors.empty()) batch.colors.resize(n);
+    }
+
+    void send_triangles(const VertexSet& used) {
+        TriangleBatch batch;
+        std::vector<Triangle> kept;
+        source_.begin_triangles();
+        while (source_.next_triangles(batch)) {
+            kept.clear();
+            for (const Triangle& t : batch.corners) {
+                // A vertex that is not finite is not used.
+                if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
+                if (!used.has(t[0]) || !used.has(t[1]) || !used.has(t[2])) continue;
+                kept.push_back({used.rank(t[0]), used.rank(t[1]), used.rank(t[2])});
+            }
+            send(kept);
+        }
+        ++input_.triangle_passes;
+    }
+
+    void copy_points() {
+        stages_.begin("triangles", info_.n_faces, "faces");
+        lod_.topology = streaming::count_topology(context_, source_);
+        for_each_piece([&](const auto& kept, const TriangleBatch& batch) {
+            input_.defects.merge(batch.defects);
+            input_.defects.degenerate_triangles += batch.points.size() - kept.size();
+            input_.triangles += batch.points.size();
+            lod_.triangles += kept.size();
+            for (const auto& t : kept) {
+                for (const Vec3& p : t) lod_.bounds.extend(p);
+            }
+        });
+        input_.triangle_passes += 3;
+        input_.bounds = lod_.bounds;
+        judge();
+        begin_writing();
+        for_each_piece([&](const auto& kept, const TriangleBatch&) { send(kept); });
+    }
+
+    template <typename Take>
+    void for_each_piece(const Take& take) {
+        TriangleBatch batch;
+        std::vector<std::array<Vec3, 3>> kept;
+        source_.begin_triangles();
+        while (source_.next_triangles(batch)) {
+            kept.clear();
+            for (const auto& t : batch.points) {
+                if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) kept.push_back(t);
+            }
+            take(std::as_const(kept), std::as_const(batch));
+            context_.check_stop();
+        }
+    }
+
+    void copy_welded() {
+        stages_.begin("triangles", info_.n_faces, "faces");
+        const streaming::WeldedMesh mesh = streaming::weld(context_, source_);
+        ++input_.triangle_passes;
+        input_.defects.merge(mesh.defects);
+        lod_.triangles = mesh.triangles.size();
+        lod_.vertices = mesh.positions.size();
+        input_.triangles = lod_.triangles + input_.defects.degenerate_triangles;
+        judge();
+        for_pieces(mesh.positions, [&](std::span<const Vec3> piece) {
+            for (const Vec3& p : piece) lod_.bounds.extend(p);
+        });
+        input_.bounds = lod_.bounds;
+        begin_writing();
+        for_pieces(mesh.positions, [&](std::span<const Vec3> piece) {
+            for (const Vec3& p : piece) add_to_hash(p);
+            sink_.add_vertices({piece, {}, {}});
+        });
+        streaming::TopologyCounter topology(context_, lod_.vertices, context_.sort_bytes());
+        for_pieces(mesh.triangles, [&](std::span<const Triangle> piece) {
+            topology.add(piece);
+            send(piece);
+        });
+        lod_.topology = topology.finish();
+    }
+
+    template <typename Record, typename Take>
+    void for_pieces(const ooc::Spool<Record>& spool, const Take& take) {
+        constexpr std::uint64_t kPiece = 1 << 13;
+        std::vector<Record> piece;
+        for (std::uint64_t first = 0; first < spool.size(); first += kPiece) {
+            piece.resize(std::min(kPiece, spool.size() - first));
+            spool.read(first, piece);
+            take(std::span<const Record>(piece));
+            context_.check_stop();
+        }
+    }
+
+    void judge() {
+        judge_findings(context_, source_, is_strict_, input_);
+        if (lod_.triangles > 0) return;
+        throw FormatError(info_.name + ": has " + std::to_string(info_.n_faces) +
+                          " faces, but not one triangle with three corners");
+    }
+
+    void begin_writing() {
+        stages_.begin("write", 0, "bytes");
+        SinkHeader header;
+        header.n_vertices = lod_.vertices;
+        header.n_triangles = lod_.triangles;
+        header.has_normals = info_.has_normals;
+        header.has_colors = info_.has_colors;
+        header.has_alpha = info_.has_alpha;
+        header.bounds = lod_.bounds;
+        header.has_double_positions = info_.has_double_positions;
+        held_ = context_.budget().reserve("compressed output", sink_.held_bytes(header));
+        sink_.begin(header);
+    }
+
+    void send(std::span<const Triangle> triangles) {
+        for (const Triangle& t : triangles) {
+            for (const std::uint64_t v : t) add_to_hash(v);
+        }
+        sink_.add_triangles(triangles);
+        context_.check_stop();
+    }
+    void send(std::span<const std::array<Vec3, 3>> triangles) {
+        for (const auto& t : triangles) {
+            for (const Vec3& p : t) add_to_hash(p);
+        }
+        sink_.add_points(triangles);
+        context_.check_stop();
+    }
+
+    void add_to_hash(std::uint64_t word) { hash_ = (hash_ ^ word) * 0x100000001b3ULL; }
+    void add_to_hash(const Vec3& p) {
+        for (const double x : p) add_to_hash(std::bit_cast<std::uint64_t>(x));
+    }
+
+    ooc::Context& context_;
+    MeshSource& source_;
+    const SourceInfo& info_;
+    MeshSink& sink_;
+    bool is_strict_;
+    std::uint64_t most_resident_;
+    StageLog& stages_;
+    InputReport& input_;
+    LodReport& lod_;
+    ooc::Reservation held_;
+    std::uint64_t hash_ = 0xcbf29ce484222325ULL;
+};
+
+}  // namespace
+
+std::uint64_t copy_mesh(ooc::Context& context, MeshSource& source, MeshSink& sink,
+                        const SimplifyOptions& options, StageLog& stages, SimplifyReport& report,
+                        LodReport& lod) {
+    return Copier(context, source, sink, options, stages, report, lod).run();
+}
+
+}  // namespace hewer::rsimp

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#include "rsimp/input_findings.h"
+
+#include <cstdint>
+#include <string>
+
+#include "hewer/error.h"
+
+namespace hewer::rsimp {
+
+namespace {
+
+void check_strict(const std::string& name, const InputDefects& d) {
+    const auto refuse_any = [&](std::uint64_t n, const char* what) {
+        if (n == 0) return;
+        throw FormatError(name + ": " + std::to_string(n) + what +
+                          "; leave --strict out to have them counted instead");
+    };
+    refuse_any(d.nonfinite_vertices, " vertices have NaN or infinite coordinates");
+    refuse_any(d.nonfinite_triangles, " triangles have NaN or infinite coordinates");
+    refuse_any(d.out_of_range_triangles, " triangles have a vertex index out of range");
+    refuse_any(d.degenerate_triangles, " triangles have no area");
+}
+
+void warn_of(ooc::Context& context, const std::string& name, const InputDefects& d) {
+    if (d.nonfinite_vertices + d.nonfinite_triangles > 0) {
+        context.warn(name + ": " + std::to_string(d.nonfinite_vertices) + " vertices and " +
+                     std::to_string(d.nonfinite_triangles) +
+                     " triangles with NaN or infinite coordinates were left out" +
+                     (d.first_nonfinite.empty() ? "" : ", first " + d.first_nonfinite));
+    }
+    if (d.out_of_range_triangles > 0) {
+        context.warn(name + ": " + std::to_string(d.out_of_range_triangles) +
+                     " triangles with a vertex index out of range were left out, first " +
+                     d.first_out_of_range);
+    }
+}
+
+}  // namespace
+
+void describe_input(const SourceInfo& info, InputReport& input) {
+    input.path = info.name;
+    input.format = info.format;
+    input.bytes = info.n_bytes;
+    input.vertices = info.n_vertices;
+    input.faces = info.n_faces;
+    input.has_normals = info.has_normals;
+    input.has_colors = info.has_colors;
+    input.ignored = info.ignored;
+}
+
+void judge_findings(ooc::Context& context, const MeshSource& source, bool is_strict,
+                    const InputReport& input) {
+    const SourceInfo& info = source.info();
+    warn_of(context, info.name, input.defects);
+    if (is_strict) check_strict(info.name, input.defects);
+    if (input.triangles == 0) {
+        throw FormatError(info.name + ": has " + std::to_string(info.n_faces) +
+                          " faces, but not one usable triangle");
+    }
+}
+
+}  // namespace hewer::rsimp
