@@ -10,21 +10,15 @@
 
 #include "hewer/mesh_source.h"
 #include "ooc/file.h"
+#include "streaming/file_range.h"
 #include "streaming/gltf_model.h"
 
 namespace hewer::streaming {
 
-/// A range of a file. No file: the buffer is only a stand-in for compressed data (the fallback of
-/// EXT_meshopt_compression).
-struct FileRange {
-    std::shared_ptr<const ooc::InputFile> file;
-    std::uint64_t offset = 0;
-    std::uint64_t n_bytes = 0;
-};
-
 struct GltfDocument {
     std::string name;  ///< the path, for messages
     gltf::Model model;
+    /// No file: a stand-in for compressed data (the fallback of EXT_meshopt_compression).
     std::vector<FileRange> buffers;
     std::uint64_t n_bytes = 0;          ///< of all files together
     std::uint64_t held_temp_bytes = 0;  ///< of buffers that were unpacked

@@ -80,8 +80,10 @@ class MeshImport {
     void take_normals(ooc::Spool<std::array<float, 3>> normals);
     void take_colors(ooc::Spool<Rgba16> colors);
 
-    /// Vertices that were added, to be looked up while others still come.
+    /// What was added, to be looked up while more still comes.
     [[nodiscard]] const ooc::Spool<Vec3>& positions() const;
+    [[nodiscard]] const ooc::Spool<Rgba16>& colors() const;
+    [[nodiscard]] const ooc::Spool<PackedTriangle>& triangles() const;
 
     /// Once, at the end. Throws FormatError: no triangles.
     std::unique_ptr<MeshSource> finish();

@@ -8,6 +8,7 @@
 
 #include "hewer/error.h"
 #include "streaming/face_import.h"
+#include "streaming/obj_materials.h"
 #include "streaming/obj_parser.h"
 #include "streaming/text_colors.h"
 
@@ -64,6 +65,7 @@ class ObjImport {
           findings_(import_, file.path().string(), "vertex"),
           colors_(import_),
           normals_(import_),
+          materials_(import_, file.path(), options, hooks),
           faces_(import_, file.size() / kLeastVertexBytes) {}
 
     std::unique_ptr<MeshSource> run() {
@@ -81,6 +83,7 @@ class ObjImport {
         colors_.finish();
         normals_.finish();
         faces_.finish();
+        materials_.finish();
         return import_.finish();
     }
 
@@ -108,6 +111,7 @@ class ObjImport {
         }
         n_faces_before_ += chunk.faces.n_faces;
         faces_.add(chunk.faces, n_vertices_before);
+        materials_.add(chunk);
         for (const std::string& what : chunk.ignored) import_.ignore(what);
         if (first_unknown_.empty()) first_unknown_ = chunk.first_unknown;
     }
@@ -141,6 +145,7 @@ class ObjImport {
     TextFindings findings_;
     TextColors colors_;
     ObjNormals normals_;
+    ObjMaterials materials_;
     FaceImport faces_;
     std::uint64_t n_faces_before_ = 0;
     std::string first_unknown_;
