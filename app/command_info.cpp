@@ -42,6 +42,10 @@ void print_info(const InputReport& r) {
     std::cout << "attributes " << (r.has_normals ? "normals " : "")
               << (r.has_colors ? "colours" : "") << (r.has_normals || r.has_colors ? "" : "none")
               << '\n';
+    for (const TextureInfo& t : r.textures) {
+        std::cout << "texture    " << t.name << ": " << t.format << ", " << t.width << " x "
+                  << t.height << ", sampled into the colours\n";
+    }
     if (!r.ignored.empty()) {
         std::cout << "not used  ";
         for (const std::string& name : r.ignored) std::cout << ' ' << name;

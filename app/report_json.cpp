@@ -95,6 +95,15 @@ Json to_value(const TopologyReport& r) {
             {"euler", r.euler}};
 }
 
+Json to_value(const std::vector<TextureInfo>& textures) {
+    Json list = Json::array();
+    for (const TextureInfo& t : textures) {
+        list.push_back(
+            {{"name", t.name}, {"format", t.format}, {"width", t.width}, {"height", t.height}});
+    }
+    return list;
+}
+
 Json to_value(const InputReport& r) {
     Json json{{"path", r.path},
               {"format", r.format},
@@ -106,6 +115,7 @@ Json to_value(const InputReport& r) {
               {"bounds", to_value(r.bounds)},
               {"has_normals", r.has_normals},
               {"has_colors", r.has_colors},
+              {"textures", to_value(r.textures)},
               {"ignored", r.ignored},
               {"defects", to_value(r.defects)},
               {"area", r.area},

@@ -328,6 +328,7 @@ CellBlocks cluster_input(ooc::Context& context, MeshSource& source, const Simpli
     input.faces = info.n_faces;
     input.has_normals = info.has_normals;
     input.has_colors = info.has_colors;
+    input.textures = info.textures;
     input.ignored = info.ignored;
 
     Vertices vertices;

@@ -17,6 +17,7 @@ struct DracoIds {
     std::optional<std::uint32_t> positions;
     std::optional<std::uint32_t> normals;
     std::optional<std::uint32_t> colors;
+    std::optional<std::uint32_t> texcoords;
 };
 
 /// Decodes `n_bytes` at `offset` of the file to arrays in a temporary file; the names and all but

@@ -33,6 +33,10 @@ struct GltfDocument {
 GltfDocument read_gltf(std::unique_ptr<ooc::InputFile> file, bool is_binary,
                        const OpenOptions& options);
 
+/// The file of image `index`, wherever it is: a file of its own (of which the size is added to
+/// n_bytes), part of a buffer, or in the JSON. Throws FormatError, IoError, OutOfDiskBudget.
+FileRange open_image_data(GltfDocument& document, std::int64_t index, const OpenOptions& options);
+
 /// The bytes of buffer view `index`. Throws FormatError if it is none, or reaches out of its
 /// buffer.
 FileRange buffer_view(const GltfDocument& document, std::int64_t index);

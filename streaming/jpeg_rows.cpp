@@ -61,6 +61,10 @@ class JpegRows final : public ImageRows {
         c_.dct_method = JDCT_ISLOW;
         if (has_black_) inks_.resize(std::size_t{4} * width());
         guarded([this] { jpeg_start_decompress(&c_); });
+        // Whether scans are missing cannot be told otherwise.
+        if (is_at_end_ && jpeg_has_multiple_scans(&c_) != 0) {
+            throw ImageProblem{"a damaged JPEG (it ends too early)"};
+        }
     }
     JpegRows(const JpegRows&) = delete;
     JpegRows& operator=(const JpegRows&) = delete;

@@ -251,6 +251,9 @@ const ooc::Spool<PackedTriangle>& MeshImport::triangles() const {
 void MeshImport::set_has_alpha() {
     state_->has_alpha = true;
 }
+void MeshImport::set_textures(std::vector<TextureInfo> textures) {
+    state_->info.textures = std::move(textures);
+}
 
 void MeshImport::ignore(const std::string& what) {
     std::vector<std::string>& all = state_->info.ignored;

@@ -64,6 +64,8 @@ class MeshImport {
     void ignore(const std::string& what);
     /// Alpha is told apart from opaque colours only if the file has it.
     void set_has_alpha();
+    /// For SourceInfo::textures.
+    void set_textures(std::vector<TextureInfo> textures);
 
     /// Normals and colours may begin, or be missing, anywhere: what has none gets a zero normal
     /// (that is, none) and opaque white.

@@ -114,8 +114,8 @@ std::filesystem::path find_beside(const std::filesystem::path& folder, std::stri
     std::replace(name.begin(), name.end(), '\\', '/');
     const bool has_drive = name.size() > 1 && name[1] == ':';
     const std::filesystem::path path = name;
-    if (has_drive || path.is_absolute()) return folder / path.filename();
-    return folder / path;
+    if (has_drive || path.is_absolute()) return (folder / path.filename()).lexically_normal();
+    return (folder / path).lexically_normal();
 }
 
 void read_mtl(ooc::Context& context, const std::filesystem::path& path, MtlLibrary& library) {

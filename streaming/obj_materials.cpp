@@ -132,7 +132,7 @@ void ObjMaterials::finish() {
         std::vector<Paint> paints = make_paints(library, textures);
         is_painted = differs(paints);
         if (is_painted) paint(context, std::move(paints), textures);
-        //TEMP import_.set_textures(textures.infos());
+        import_.set_textures(textures.infos());
         for (const std::string& what : textures.missing()) import_.ignore(what);
     }
     if (has_coordinates && !is_painted) import_.ignore("texture coordinates");
@@ -263,8 +263,8 @@ void ObjMaterials::paint(ooc::Context& context, std::vector<Paint> paints,
         piece.assign(painted.size(), kWhite);
         const std::uint64_t first = colors.size();
         if (first < others.size()) {
-            others.read(first, std::span(piece).first(std::min<std::uint64_t>(
-                                   piece.size(), others.size() - first)));
+            others.read(first, std::span(piece).first(
+                                   std::min<std::uint64_t>(piece.size(), others.size() - first)));
         }
         for (std::size_t i = 0; i < painted.size(); ++i) {
             if (painted[i]) piece[i] = to_rgba(*painted[i]);

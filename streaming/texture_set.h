@@ -14,23 +14,15 @@
 
 namespace hewer::streaming {
 
-/// TEMP
-struct TextureInfo {
-    std::string name;    ///< the path, or the place in the file
-    std::string format;  ///< "PNG", "JPEG"
-    std::uint32_t width = 0;
-    std::uint32_t height = 0;
-};
-
-/// Decodes images, one after the other, to pyramids on one spool. Memory: of the image that is being
-/// decoded (see open_image() and Texture), and what the spool keeps, which is all that is free.
-/// Temporary disk, where that is not enough: 4 bytes a pixel.
+/// Decodes images, one after the other, to pyramids on one spool. Memory: of the image that is
+/// being decoded (see open_image() and Texture), and what the spool keeps, which is all that is
+/// free. Temporary disk, where that is not enough: 4 bytes a pixel.
 class TextureSet {
   public:
     explicit TextureSet(ooc::Context& context) : context_(context), tiles_(context, "textures") {}
 
-    /// Number of the texture. Nothing, after a warning, if the image is missing, damaged or of a kind
-    /// that is not read; in strict mode that is thrown as FormatError.
+    /// Number of the texture. Nothing, after a warning, if the image is missing, damaged or of a
+    /// kind that is not read; in strict mode that is thrown as FormatError.
     /// @param name  for messages and SourceInfo::textures. @param find  may throw IoError.
     std::optional<std::size_t> add(const std::string& name, const std::function<FileRange()>& find,
                                    bool is_strict);
