@@ -71,6 +71,8 @@ void FaceImport::cut(std::span<Triangle> fan, std::span<Triangle> texcoords,
 }
 
 void FaceImport::finish() {
+    positions_.reset();
+    memory_.release();
     if (n_fanned_ == 0) return;
     import_.ignore("the shape of " + ooc::format_count(n_fanned_) +
                    " polygons that are described before their vertices or have more than " +

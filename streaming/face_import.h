@@ -22,7 +22,7 @@ struct TextFaces {
     struct Polygon {
         std::size_t first_triangle;
         std::size_t n_triangles;
-        std::uint64_t n_known;  ///< vertices in front of it, in the chunk
+        std::uint64_t n_known;                      ///< vertices in front of it, in the chunk
         std::optional<std::size_t> first_texcoord;  ///< in `texcoords`
     };
     /// Triangles whose corners all have texture coordinates.
@@ -133,7 +133,8 @@ class FaceImport {
     /// the file. A polygon with a corner that is no vertex in front of it stays a fan.
     void add(TextFaces& faces, std::uint64_t n_vertices_before);
 
-    /// Names in MeshImport::ignore() what had to stay a fan. Once, at the end.
+    /// Names in MeshImport::ignore() what had to stay a fan, and gives the memory back. Once, at
+    /// the end.
     void finish();
 
   private:

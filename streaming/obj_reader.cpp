@@ -2,6 +2,7 @@
 #include "streaming/obj_reader.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -61,7 +62,7 @@ class ObjImport {
     ObjImport(const ooc::InputFile& file, const OpenOptions& options, const Hooks& hooks,
               const TextTuning& tuning)
         : import_(file.path().string(), "OBJ", file.size(), options, hooks),
-          text_(file, import_, find_line_cut, tuning),
+          text_(std::in_place, file, import_, find_line_cut, tuning),
           findings_(import_, file.path().string(), "vertex"),
           colors_(import_),
           normals_(import_),
@@ -69,13 +70,14 @@ class ObjImport {
           faces_(import_, file.size() / kLeastVertexBytes) {}
 
     std::unique_ptr<MeshSource> run() {
-        text_.run<ObjChunk>(
-            text_.chunks(), 1, [](TextChunk& chunk, ObjChunk& found) { parse_obj(chunk, found); },
+        text_->run<ObjChunk>(
+            text_->chunks(), 1, [](TextChunk& chunk, ObjChunk& found) { parse_obj(chunk, found); },
             [&](ObjChunk& found, std::uint64_t line, std::uint64_t i) {
                 add(found, line, i);
                 return true;
             });
         place_out_of_range();
+        text_.reset();  // its memory is for textures
         if (!first_unknown_.empty()) {
             import_.ignore("lines that are not known to be OBJ, such as those that begin with " +
                            first_unknown_);
@@ -133,7 +135,7 @@ class ObjImport {
             [&](const Suspect& suspect) { return suspect.highest_id >= import_.n_vertices(); });
         if (it == suspects_.end()) return;
         TextChunk chunk;
-        text_.chunks().read(it->chunk, chunk);
+        text_->chunks().read(it->chunk, chunk);
         const auto place = find_out_of_range(chunk, import_.n_vertices(), it->n_vertices_before);
         if (!place) throw InternalError("a vertex id has changed since it was read");
         findings_.note({.nonfinite = {}, .short_face = {}, .out_of_range = place},
@@ -141,7 +143,7 @@ class ObjImport {
     }
 
     MeshImport import_;
-    TextImport text_;
+    std::optional<TextImport> text_;  // until all is parsed
     TextFindings findings_;
     TextColors colors_;
     ObjNormals normals_;

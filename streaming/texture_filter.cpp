@@ -8,6 +8,11 @@ namespace hewer::streaming {
 
 namespace {
 
+// Of the pieces of a triangle: the diagonal of a texel.
+constexpr double kLongestEdge = 1.41421356237309505;
+// Along an edge of a triangle.
+constexpr unsigned kMostParts = 16;
+
 /// A place along one axis, 0..1, for any coordinate.
 double wrapped(double x, Wrap wrap) {
     switch (wrap) {
@@ -86,8 +91,7 @@ class CornerSums {
     /// `b`: three times m times the barycentric coordinates of the sample.
     void add(const std::array<unsigned, 3>& b, const MeanColor& color) {
         const unsigned most = std::max({b[0], b[1], b[2]});
-        const auto n_nearest =
-            static_cast<float>((b[0] == most) + (b[1] == most) + (b[2] == most));
+        const auto n_nearest = static_cast<float>((b[0] == most) + (b[1] == most) + (b[2] == most));
         for (std::size_t c = 0; c < 3; ++c) {
             if (b[c] != most) continue;
             for (std::size_t k = 0; k < 3; ++k) sums_[c][k] += color[k] / n_nearest;
@@ -112,20 +116,21 @@ class CornerSums {
 std::array<MeanColor, 3> TextureFilter::corner_means(const Texture& texture,
                                                      const std::array<TexCoord, 3>& triangle,
                                                      std::array<Wrap, 2> wrap) {
-    double longest = 0;  // edge, texels
+    double longest = 0;  // edge, in edges of pieces
     for (std::size_t c = 0; c < 3; ++c) {
         const TexCoord& a = triangle[c];
         const TexCoord& b = triangle[(c + 1) % 3];
         longest = std::max(
-            longest, std::hypot((b[0] - a[0]) * texture.width(), (b[1] - a[1]) * texture.height()));
+            longest, std::hypot((b[0] - a[0]) * texture.width(), (b[1] - a[1]) * texture.height()) /
+                         kLongestEdge);
     }
     std::size_t level = 0;
     while (longest > kMostParts && level + 1 < texture.levels().size()) {
         longest /= 2;
         ++level;
     }
-    const auto m = static_cast<unsigned>(
-        std::clamp(std::ceil(longest), 1.0, static_cast<double>(kMostParts)));
+    const auto m =
+        static_cast<unsigned>(std::clamp(std::ceil(longest), 1.0, static_cast<double>(kMostParts)));
 
     LevelReader reader(texels_, texture, level, wrap);
     CornerSums sums;

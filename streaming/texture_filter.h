@@ -21,17 +21,15 @@ using MeanColor = std::array<float, 3>;
 /// For each corner the mean over the third of the triangle that is nearest to it (in barycentric
 /// coordinates).
 ///
-/// The triangle is cut into m x m equal ones, none of which has an edge longer than a texel, and the
-/// texture is read, bilinearly, at their centres: as many samples as there are texels, about. From
-/// kMostParts on, where m would grow further, a coarser level of the pyramid is read instead. So the
-/// work is at most kMostParts^2 samples a triangle, and nearly all of it is on the image itself,
-/// where colours of what lies beside the triangle in the image come in from half a texel away at
-/// most. Means are those of the image's own numbers (sRGB), as everywhere in hewer: that keeps the
-/// error small that a viewer sees, and the mean of means is the mean.
+/// The triangle is cut into m x m equal ones, none of which has an edge longer than the diagonal of
+/// a texel, and the texture is read, bilinearly, at their centres: one or two samples a texel. From
+/// m = 16 on a coarser level of the pyramid is read instead. So the work is at most 256 samples a
+/// triangle, and what lies beside the triangle in the image comes in from half a texel away, or
+/// from a 22nd of the longest edge. Means are those of the image's own numbers (sRGB), as
+/// everywhere in hewer: that keeps the error small that a viewer sees, and the mean of means is the
+/// mean.
 class TextureFilter {
   public:
-    static constexpr unsigned kMostParts = 32;
-
     explicit TextureFilter(TexelCache& texels) : texels_(texels) {}
 
     /// Precondition: finite coordinates.

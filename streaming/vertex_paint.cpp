@@ -15,7 +15,7 @@ namespace hewer::streaming {
 
 namespace {
 
-constexpr std::uint64_t kBatch = 4096;
+constexpr std::uint64_t kBatch = 2048;
 constexpr std::uint64_t kPiece = 16384;
 constexpr std::uint64_t kMostLines = 1 << 14;  // of tiles, for each thread: 48 MiB
 // Coordinates beyond are no places in an image: a texel is less than their last bit.

@@ -17,7 +17,6 @@ namespace hewer {
 namespace {
 
 using streaming::ImageProblem;
-using test::JpegKind;
 using test::Picture;
 using test::PngKind;
 
@@ -174,7 +173,7 @@ TEST_F(Images, PyramidsHaveTheMeansOfTheirTexels) {
                             sum += picture.rgb[3 * ((y * step + j) * width + x * step + i)];
                         }
                     }
-                    ASSERT_NEAR(cache.at(levels[l], x, y)[0], sum / (step * step), 0.5 + 0.3 * l);
+                    ASSERT_NEAR(cache.at(levels[l], x, y)[0], sum / (step * step), 0.5 + 0.3 * static_cast<double>(l));
                 }
             }
         }
