@@ -46,6 +46,10 @@ void print_attributes(const InputReport& r) {
     std::cout << "attributes " << (r.has_normals ? "normals " : "")
               << (r.has_colors ? "colours" : "") << (r.has_normals || r.has_colors ? "" : "none")
               << '\n';
+    for (const TextureInfo& t : r.textures) {
+        std::cout << "texture    " << t.name << ": " << t.format << ", " << t.width << " x "
+                  << t.height << ", sampled into the colours\n";
+    }
 }
 
 void print_defects(const InputDefects& d) {

@@ -111,6 +111,15 @@ const char* name_of(InputReport::Basis basis) {
     return "name";
 }
 
+Json to_value(const std::vector<TextureInfo>& textures) {
+    Json list = Json::array();
+    for (const TextureInfo& t : textures) {
+        list.push_back(
+            {{"name", t.name}, {"format", t.format}, {"width", t.width}, {"height", t.height}});
+    }
+    return list;
+}
+
 /// Null is what was not read.
 Json to_value(const InputReport& r) {
     const bool is_whole = r.basis == InputReport::Basis::Whole;
@@ -129,6 +138,7 @@ Json to_value(const InputReport& r) {
               {"bounds", to_value(r.bounds)},
               {"has_normals", known(has_counts, r.has_normals)},
               {"has_colors", known(has_counts, r.has_colors)},
+              {"textures", to_value(r.textures)},
               {"ignored", r.ignored},
               {"defects", known(is_whole, to_value(r.defects))},
               {"area", known(is_whole, r.area)},

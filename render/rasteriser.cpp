@@ -43,6 +43,18 @@ Vec3 blend(double a, const Vec3& u, double b, const Vec3& v, double c, const Vec
     return out;
 }
 
+/// At the place with edge functions `e`, which add up to `area`.
+Color blend(const Rasteriser::Paint& colors, const std::array<double, 3>& e, double area) {
+    Color color{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        color[k] = static_cast<float>((e[0] * static_cast<double>(colors[0][k]) +
+                                       e[1] * static_cast<double>(colors[1][k]) +
+                                       e[2] * static_cast<double>(colors[2][k])) /
+                                      area);
+    }
+    return color;
+}
+
 std::uint32_t pack(const Color& c, double light) {
     std::uint32_t packed = 0;
     for (const float channel : c) {
@@ -71,7 +83,7 @@ Rasteriser::Screen Rasteriser::project(const Vec3& p) const {
             std::clamp(0.5 - 0.5 * dot(p, camera_.toward) / camera_.depth_range, 0.0, 1.0)};
 }
 
-void Rasteriser::draw(const std::array<Vec3, 3>& corners, const Color* paint) {
+void Rasteriser::draw(const std::array<Vec3, 3>& corners, const Paint* paint) {
     std::array<Screen, 3> p{project(corners[0]), project(corners[1]), project(corners[2])};
     double area = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[2].x - p[0].x) * (p[1].y - p[0].y);
     if (!std::isfinite(area) || area == 0) return;
@@ -83,17 +95,21 @@ void Rasteriser::draw(const std::array<Vec3, 3>& corners, const Color* paint) {
     for (double& x : normal) x /= is_front ? length : -length;
     const double light = kAround + kKey * std::max(0.0, dot(normal, key_light_)) +
                          kSky * (0.5 + 0.5 * dot(normal, sky_));
-    Color color = is_front ? style_.front : style_.back;
-    if (is_front && paint != nullptr) color = *paint;
-    for (float& channel : color) channel *= static_cast<float>(light);
+    const Color& plain = is_front ? style_.front : style_.back;
+    Paint colors{plain, plain, plain};
+    if (is_front && paint != nullptr) colors = *paint;
+    for (Color& color : colors) {
+        for (float& channel : color) channel *= static_cast<float>(light);
+    }
     if (is_front) {
         std::swap(p[1], p[2]);
+        std::swap(colors[1], colors[2]);
         area = -area;
     }
-    fill(p, area, color);
+    fill(p, area, colors);
 }
 
-void Rasteriser::fill(const std::array<Screen, 3>& p, double area, const Color& color) {
+void Rasteriser::fill(const std::array<Screen, 3>& p, double area, const Paint& colors) {
     const double columns = kSide * width_;
     const double rows = kSide * height_;
     // Sample i lies at i + 0.5.
@@ -118,11 +134,12 @@ void Rasteriser::fill(const std::array<Screen, 3>& p, double area, const Color& 
         per_sample[k] = 1 / length;
         longest = std::max(longest, length);
     }
-    const std::uint32_t plain = pack(color, 1);
-    std::uint32_t line = plain;
+    const bool is_plain = colors[0] == colors[1] && colors[0] == colors[2];
+    const std::uint32_t plain = pack(colors[0], 1);
+    double line_light = 1;
     if (style_.edges) {
         const double strength = std::min(1.0, area / longest / (kEdgeFade * kHalfLine));
-        line = pack(color, 1 - kEdgeDarkness * strength);
+        line_light = 1 - kEdgeDarkness * strength;
     }
 
     const auto x_first = static_cast<std::uint64_t>(x_low);
@@ -139,11 +156,13 @@ void Rasteriser::fill(const std::array<Screen, 3>& p, double area, const Color& 
             }
             if (e[0] < 0 || e[1] < 0 || e[2] < 0) continue;
             const double depth = (e[0] * p[0].depth + e[1] * p[1].depth + e[2] * p[2].depth) / area;
+            const bool is_line =
+                style_.edges && std::min({e[0] * per_sample[0], e[1] * per_sample[1],
+                                          e[2] * per_sample[2]}) < kHalfLine;
             std::uint32_t rgb = plain;
-            if (style_.edges) {
-                const double distance =
-                    std::min({e[0] * per_sample[0], e[1] * per_sample[1], e[2] * per_sample[2]});
-                if (distance < kHalfLine) rgb = line;
+            if (!is_plain || is_line) {
+                const Color color = is_plain ? colors[0] : blend(colors, e, area);
+                rgb = pack(color, is_line ? line_light : 1);
             }
             const auto level =
                 static_cast<std::uint32_t>(std::clamp(depth, 0.0, 1.0) * 4294967294.0);

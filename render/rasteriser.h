@@ -36,18 +36,22 @@ struct Style {
 /// 64-bit word, depth above colour, updated by an atomic minimum. So the picture does not depend on
 /// the order of the triangles or on the threads that draw them, equal depths included.
 ///
-/// Samples are tested against inclusive edges, so that no crack shows between neighbours. Shading
-/// is flat: a key light beside the viewer, the sky, and a little light from everywhere. Front faces
-/// are those that appear counter-clockwise.
+/// Samples are tested against inclusive edges, so that no crack shows between neighbours. Light is
+/// flat, one for a triangle: a key light beside the viewer, the sky, and a little light from
+/// everywhere; the colours of corners are blended across it. Front faces are those that appear
+/// counter-clockwise.
 /// Memory: 32 bytes a pixel, reserved.
 class Rasteriser {
   public:
     Rasteriser(ooc::MemoryBudget& budget, unsigned width, unsigned height, const Camera& camera,
                const Style& style);
 
+    /// Of the corners of a triangle.
+    using Paint = std::array<Color, 3>;
+
     /// Draws a triangle given by its corners relative to the camera's origin. `paint`, if not null,
     /// replaces the front colour. Triangles with non-finite corners are left out. Thread-safe.
-    void draw(const std::array<Vec3, 3>& corners, const Color* paint);
+    void draw(const std::array<Vec3, 3>& corners, const Paint* paint);
 
     /// Averages the samples, background where there is none: 3 bytes a pixel, top row first.
     void resolve(std::span<std::uint8_t> pixels) const;
@@ -57,7 +61,7 @@ class Rasteriser {
         double x, y, depth;
     };
     [[nodiscard]] Screen project(const Vec3& p) const;
-    void fill(const std::array<Screen, 3>& p, double area, const Color& color);
+    void fill(const std::array<Screen, 3>& p, double area, const Paint& colors);
     void keep_nearest(std::uint64_t index, std::uint64_t word);
 
     unsigned width_;

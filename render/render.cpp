@@ -172,15 +172,16 @@ void Picture::draw_triangles(raster::Rasteriser& rasteriser) {
     mesh_.begin_triangles();
     for_batches(&MeshSource::next_triangles, [&](const TriangleBatch& batch) {
         for (const Triangle& t : batch.corners) {
-            raster::Color mean{};
+            raster::Rasteriser::Paint paint{};
             if (has_paint_) {
-                for (std::size_t k = 0; k < 3; ++k) {
-                    const int sum = paint_[t[0]][k] + paint_[t[1]][k] + paint_[t[2]][k];
-                    mean[k] = static_cast<float>(sum) * (1.0F / (3 * 255));
+                for (std::size_t c = 0; c < 3; ++c) {
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        paint[c][k] = static_cast<float>(paint_[t[c]][k]) * (1.0F / 255);
+                    }
                 }
             }
             rasteriser.draw({position(t[0]), position(t[1]), position(t[2])},
-                            has_paint_ ? &mean : nullptr);
+                            has_paint_ ? &paint : nullptr);
         }
         for (const auto& corners : batch.points) {
             std::array<Vec3, 3> local{};

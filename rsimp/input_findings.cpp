@@ -46,6 +46,7 @@ void describe_input(const SourceInfo& info, InputReport& input) {
     input.faces = info.n_faces;
     input.has_normals = info.has_normals;
     input.has_colors = info.has_colors;
+    input.textures = info.textures;
     input.ignored = info.ignored;
 }
 

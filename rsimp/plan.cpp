@@ -134,6 +134,7 @@ PlanReport plan(const InputPaths& input, const SimplifyOptions& asked) {
     report.input.triangles = info.n_faces;
     report.input.has_normals = info.has_normals;
     report.input.has_colors = info.has_colors;
+    report.input.textures = info.textures;
     report.input.ignored = info.ignored;
     report.input.basis = InputReport::Basis::Header;
     if (options.method == Method::Copy) {

@@ -47,6 +47,53 @@ constexpr double scale_of(bool is_normalized) {
     }
 }
 
+constexpr auto kRelaxed = std::memory_order_relaxed;
+
+std::size_t n_bytes_of(const StridedArray& array, std::uint64_t n) {
+    return (n - 1) * array.stride + array.element_bytes();
+}
+
+/// The bytes of elements first .. first + n - 1, or null if they are zeros. `name` for messages.
+const unsigned char* read_bytes(const std::string& name, const StridedArray& array,
+                                std::uint64_t first, std::uint64_t n, ByteBuffer& buffer) {
+    if (!array.file || n == 0) return nullptr;
+    const std::uint64_t offset = array.offset + first * array.stride;
+    const std::size_t bytes = n_bytes_of(array, n);
+    const std::size_t got = array.file->read_at(offset, buffer.room_for(bytes), bytes);
+    if (got < bytes) {
+        throw FormatError(name + ": truncated: " + array.file->path().string() + " ends at byte " +
+                          std::to_string(offset + got));
+    }
+    return buffer.data();
+}
+
+/// take(i, values) with the first N components of each of `n` elements that lie at `bytes`; zeros
+/// if that is null.
+template <std::size_t N, typename Take>
+void take_components(const StridedArray& array, std::uint64_t n, const unsigned char* bytes,
+                     const Take& take) {
+    std::array<double, N> values{};
+    if (bytes == nullptr) {
+        for (std::size_t i = 0; i < n; ++i) take(i, values);
+        return;
+    }
+    with_scalar_type(array.type, [&](auto tag) {
+        using T = typename decltype(tag)::Type;
+        const double scale = scale_of<T>(array.is_normalized);
+        const double least = array.is_normalized ? -1 : std::numeric_limits<double>::lowest();
+        for (std::size_t i = 0; i < n; ++i) {
+            const unsigned char* p = bytes + i * array.stride;
+            for (std::size_t k = 0; k < N; ++k, p += sizeof(T)) {
+                values[k] = static_cast<double>(load<T, kSwap>(p));
+                if constexpr (!std::is_floating_point_v<T>) {
+                    values[k] = std::max(least, values[k] * scale);
+                }
+            }
+            take(i, values);
+        }
+    });
+}
+
 /// The inverse transpose up to a factor, which normals do not have; and the sign of the
 /// determinant, which says whether the map turns a surface inside out.
 struct NormalMap {
@@ -86,6 +133,7 @@ class ArraySource final : public MeshSource {
         info_.name = mesh_.name;
         info_.format = mesh_.format;
         info_.n_bytes = mesh_.n_bytes;
+        info_.textures = mesh_.textures;
         info_.ignored = mesh_.ignored;
         info_.n_vertices = mesh_.positions.count;
         info_.n_faces = mesh_.n_faces();
@@ -183,46 +231,18 @@ class ArraySource final : public MeshSource {
     }
 
   private:
-    /// The bytes of elements first .. first + n - 1, or null if they are zeros.
     const unsigned char* read_bytes(const StridedArray& array, std::uint64_t first, std::uint64_t n,
                                     ByteBuffer& buffer) {
-        if (!array.file || n == 0) return nullptr;
-        const std::uint64_t offset = array.offset + first * array.stride;
-        const std::size_t bytes = (n - 1) * array.stride + array.element_bytes();
-        const std::size_t got = array.file->read_at(offset, buffer.room_for(bytes), bytes);
-        n_bytes_read_.fetch_add(got, std::memory_order_relaxed);
-        if (got < bytes) {
-            throw FormatError(info_.name + ": truncated: " + array.file->path().string() +
-                              " ends at byte " + std::to_string(offset + got));
-        }
-        return buffer.data();
+        const unsigned char* const bytes =
+            streaming::read_bytes(info_.name, array, first, n, buffer);
+        if (bytes != nullptr) n_bytes_read_.fetch_add(n_bytes_of(array, n), kRelaxed);
+        return bytes;
     }
 
-    /// take(i, values) with the first N components of each element.
     template <std::size_t N, typename Take>
     void read_components(const StridedArray& array, std::uint64_t first, std::uint64_t n,
                          ByteBuffer& buffer, const Take& take) {
-        const unsigned char* const bytes = read_bytes(array, first, n, buffer);
-        std::array<double, N> values{};
-        if (bytes == nullptr) {
-            for (std::size_t i = 0; i < n; ++i) take(i, values);
-            return;
-        }
-        with_scalar_type(array.type, [&](auto tag) {
-            using T = typename decltype(tag)::Type;
-            const double scale = scale_of<T>(array.is_normalized);
-            const double least = array.is_normalized ? -1 : std::numeric_limits<double>::lowest();
-            for (std::size_t i = 0; i < n; ++i) {
-                const unsigned char* p = bytes + i * array.stride;
-                for (std::size_t k = 0; k < N; ++k, p += sizeof(T)) {
-                    values[k] = static_cast<double>(load<T, kSwap>(p));
-                    if constexpr (!std::is_floating_point_v<T>) {
-                        values[k] = std::max(least, values[k] * scale);
-                    }
-                }
-                take(i, values);
-            }
-        });
+        take_components<N>(array, n, read_bytes(array, first, n, buffer), take);
     }
 
     static void round_to_float(std::vector<Vec3>& positions) {
@@ -313,6 +333,15 @@ class ArraySource final : public MeshSource {
 
 std::unique_ptr<MeshSource> open_arrays(ArrayMesh mesh, bool is_strict) {
     return std::make_unique<ArraySource>(std::move(mesh), is_strict);
+}
+
+void load_texcoords(const ArrayMesh& mesh, std::uint64_t first, std::uint64_t n,
+                    std::array<float, 2>* out) {
+    ByteBuffer buffer;
+    const unsigned char* const bytes = read_bytes(mesh.name, mesh.texcoords, first, n, buffer);
+    take_components<2>(mesh.texcoords, n, bytes, [&](std::size_t i, const auto& uv) {
+        out[i] = {static_cast<float>(uv[0]), static_cast<float>(uv[1])};
+    });
 }
 
 }  // namespace hewer::streaming

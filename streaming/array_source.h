@@ -46,11 +46,13 @@ struct ArrayMesh {
     std::string name;
     std::string format;
     std::uint64_t n_bytes = 0;  ///< of the input, for SourceInfo
+    std::vector<TextureInfo> textures;
     std::vector<std::string> ignored;
 
     StridedArray positions;  ///< 3 components
     StridedArray normals;    ///< 3 components
     StridedArray colors;     ///< 3 or 4 components, 0..1
+    StridedArray texcoords;  ///< 2 components; not delivered: for load_texcoords()
     StridedArray indices;    ///< 1 component; none: each vertex once, in order
 
     enum class Mode { Triangles, Strip, Fan };
@@ -80,5 +82,9 @@ struct ArrayMesh {
 /// Reads where it lies; nothing is kept but the batches in flight. Indices outside the vertices are
 /// dropped and counted. Throws: IoError, FormatError (a file that has shrunk; dirt in strict mode).
 std::unique_ptr<MeshSource> open_arrays(ArrayMesh mesh, bool is_strict);
+
+/// The texture coordinates first .. first + n - 1 of `mesh`. Any thread. Throws as open_arrays().
+void load_texcoords(const ArrayMesh& mesh, std::uint64_t first, std::uint64_t n,
+                    std::array<float, 2>* out);
 
 }  // namespace hewer::streaming

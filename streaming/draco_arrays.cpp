@@ -76,10 +76,11 @@ const draco::PointAttribute* find(const draco::Mesh& mesh, const std::optional<s
     return id ? mesh.GetAttributeByUniqueId(*id) : mesh.GetNamedAttribute(type);
 }
 
-std::array<float, 3> read_float3(const draco::PointAttribute& attribute, std::uint64_t point) {
-    std::array<float, 3> value{};
+template <std::size_t N>
+std::array<float, N> read_floats(const draco::PointAttribute& attribute, std::uint64_t point) {
+    std::array<float, N> value{};
     const draco::PointIndex index(static_cast<std::uint32_t>(point));
-    attribute.ConvertValue<float>(attribute.mapped_index(index), 3, value.data());
+    attribute.ConvertValue<float>(attribute.mapped_index(index), N, value.data());
     return value;
 }
 
@@ -169,21 +170,28 @@ ArrayMesh decode_draco(const ooc::InputFile& file, std::uint64_t offset, std::ui
         require_whole(*mesh, positions, place);
         const auto* const normals = find(*mesh, ids.normals, draco::GeometryAttribute::NORMAL);
         const auto* const colors = find(*mesh, ids.colors, draco::GeometryAttribute::COLOR);
+        const auto* const texcoords =
+            ids.texcoords ? mesh->GetAttributeByUniqueId(*ids.texcoords) : nullptr;
         TemporaryInput out(options);
         ArrayMesh arrays;
         const std::uint64_t n = mesh->num_points();
         arrays.positions.offset = write_array<std::array<float, 3>>(
-            out, n, [&](std::uint64_t i) { return read_float3(*positions, i); });
+            out, n, [&](std::uint64_t i) { return read_floats<3>(*positions, i); });
         arrays.positions.count = n;
         if (normals != nullptr && normals->num_components() == 3) {
             arrays.normals.offset = write_array<std::array<float, 3>>(
-                out, n, [&](std::uint64_t i) { return read_float3(*normals, i); });
+                out, n, [&](std::uint64_t i) { return read_floats<3>(*normals, i); });
             arrays.normals.count = n;
         }
         if (colors != nullptr && colors->num_components() >= 3) {
             arrays.colors.offset = write_array<Rgba16>(
                 out, n, [&](std::uint64_t i) { return read_color(*colors, i); });
             arrays.colors.count = n;
+        }
+        if (texcoords != nullptr && texcoords->num_components() == 2) {
+            arrays.texcoords.offset = write_array<std::array<float, 2>>(
+                out, n, [&](std::uint64_t i) { return read_floats<2>(*texcoords, i); });
+            arrays.texcoords.count = n;
         }
         arrays.indices.offset = write_array<
             std::array<std::uint32_t, 3>>(out, mesh->num_faces(), [&](std::uint64_t i) {
@@ -199,6 +207,8 @@ ArrayMesh decode_draco(const ooc::InputFile& file, std::uint64_t offset, std::ui
         }
         arrays.colors = {written, arrays.colors.offset, 8,   arrays.colors.count,
                          4,       ScalarType::UInt16,   true};
+        arrays.texcoords = {written, arrays.texcoords.offset, 8,    arrays.texcoords.count,
+                            2,       ScalarType::Float32,     false};
         arrays.indices = {written, arrays.indices.offset, 4,    arrays.indices.count,
                           1,       ScalarType::UInt32,    false};
         return arrays;

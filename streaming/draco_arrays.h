@@ -17,6 +17,7 @@ struct DracoIds {
     std::optional<std::uint32_t> positions;
     std::optional<std::uint32_t> normals;
     std::optional<std::uint32_t> colors;
+    std::optional<std::uint32_t> texcoords;
 };
 
 /// What the header announces; what is decoded may have a few points more.

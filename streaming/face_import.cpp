@@ -13,6 +13,19 @@ namespace {
 using Cache = ooc::SpoolCache<Vec3>;
 constexpr std::uint64_t kMostLines = std::uint64_t{1} << 18;  // 1 GiB
 
+/// What stands at the corners of a polygon, from its fan.
+void take_corners(std::span<const Triangle> fan, std::vector<std::uint64_t>& corners) {
+    corners.assign({fan[0][0], fan[0][1]});
+    for (const Triangle& triangle : fan) corners.push_back(triangle[2]);
+}
+
+void put_corners(const PolygonTriangles& triangles, const std::vector<std::uint64_t>& corners,
+                 std::span<Triangle> out) {
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        for (std::size_t k = 0; k < 3; ++k) out[i][k] = corners[triangles[i][k]];
+    }
+}
+
 }  // namespace
 
 void FaceImport::make_cache() {
@@ -28,17 +41,21 @@ void FaceImport::make_cache() {
 
 void FaceImport::add(TextFaces& faces, std::uint64_t n_vertices_before) {
     for (const TextFaces::Polygon& polygon : faces.polygons) {
-        cut({faces.triangles.data() + polygon.first_triangle, polygon.n_triangles},
-            n_vertices_before + polygon.n_known);
+        const std::span<Triangle> texcoords =
+            polygon.first_texcoord
+                ? std::span(faces.texcoords).subspan(*polygon.first_texcoord, polygon.n_triangles)
+                : std::span<Triangle>();
+        cut(std::span(faces.triangles).subspan(polygon.first_triangle, polygon.n_triangles),
+            texcoords, n_vertices_before + polygon.n_known);
     }
     import_.add_triangles(faces.triangles);
     import_.defects().polygons += faces.polygons.size();
     import_.defects().short_faces += faces.n_short;
 }
 
-void FaceImport::cut(std::span<Triangle> fan, std::uint64_t n_known) {
-    ids_.assign({fan[0][0], fan[0][1]});
-    for (const Triangle& triangle : fan) ids_.push_back(triangle[2]);
+void FaceImport::cut(std::span<Triangle> fan, std::span<Triangle> texcoords,
+                     std::uint64_t n_known) {
+    take_corners(fan, ids_);
     if (ids_.size() > kMostCorners || *std::max_element(ids_.begin(), ids_.end()) >= n_known) {
         ++n_fanned_;
         return;
@@ -47,12 +64,15 @@ void FaceImport::cut(std::span<Triangle> fan, std::uint64_t n_known) {
     corners_.clear();
     for (const std::uint64_t id : ids_) corners_.push_back(positions_->at(id));
     const PolygonTriangles& triangles = triangulation_.triangulate(corners_);
-    for (std::size_t i = 0; i < fan.size(); ++i) {
-        for (std::size_t k = 0; k < 3; ++k) fan[i][k] = ids_[triangles[i][k]];
-    }
+    put_corners(triangles, ids_, fan);
+    if (texcoords.empty()) return;
+    take_corners(texcoords, texcoords_);
+    put_corners(triangles, texcoords_, texcoords);
 }
 
 void FaceImport::finish() {
+    positions_.reset();
+    memory_.release();
     if (n_fanned_ == 0) return;
     import_.ignore("the shape of " + ooc::format_count(n_fanned_) +
                    " polygons that are described before their vertices or have more than " +

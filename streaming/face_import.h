@@ -16,19 +16,31 @@ namespace hewer::streaming {
 
 /// The faces of a chunk as fans.
 struct TextFaces {
+    static constexpr std::uint64_t kNoTexcoord = ~std::uint64_t{0};
+
     /// A face of more than three corners.
     struct Polygon {
         std::size_t first_triangle;
         std::size_t n_triangles;
-        std::uint64_t n_known;  ///< vertices in front of it, in the chunk
+        std::uint64_t n_known;                      ///< vertices in front of it, in the chunk
+        std::optional<std::size_t> first_texcoord;  ///< in `texcoords`
+    };
+    /// Triangles whose corners all have texture coordinates.
+    struct Textured {
+        std::size_t first_triangle;
+        std::size_t n_triangles;
     };
     std::vector<Triangle> triangles;
+    std::vector<Triangle> texcoords;  ///< of the triangles of `textured`, one after the other
+    std::vector<Textured> textured;
     std::vector<Polygon> polygons;
     std::uint64_t n_faces = 0;
     std::uint64_t n_short = 0;  ///< of fewer than three corners
 
     void clear() {
         triangles.clear();
+        texcoords.clear();
+        textured.clear();
         polygons.clear();
         n_faces = n_short = 0;
     }
@@ -37,15 +49,22 @@ struct TextFaces {
 /// One face of a chunk, corner by corner.
 class TextFace {
   public:
-    explicit TextFace(TextFaces& faces) : faces_(faces), first_triangle_(faces.triangles.size()) {}
+    explicit TextFace(TextFaces& faces)
+        : faces_(faces),
+          first_triangle_(faces.triangles.size()),
+          first_texcoord_(faces.texcoords.size()) {}
 
-    void add(std::uint64_t id) {
+    void add(std::uint64_t id, std::uint64_t texcoord = TextFaces::kNoTexcoord) {
+        is_textured_ = is_textured_ && texcoord != TextFaces::kNoTexcoord;
         if (n_corners_ == 0) {
-            first_ = id;
+            first_ = {id, texcoord};
         } else if (n_corners_ > 1) {
-            faces_.triangles.push_back({first_, previous_, id});
+            faces_.triangles.push_back({first_.id, previous_.id, id});
+            if (is_textured_) {
+                faces_.texcoords.push_back({first_.texcoord, previous_.texcoord, texcoord});
+            }
         }
-        previous_ = id;
+        previous_ = {id, texcoord};
         ++n_corners_;
     }
     [[nodiscard]] bool is_short() const { return n_corners_ < 3; }
@@ -53,16 +72,46 @@ class TextFace {
     /// @param n_known  vertices in front of it, in the chunk.
     void finish(std::uint64_t n_known) {
         ++faces_.n_faces;
-        if (is_short()) ++faces_.n_short;
-        if (n_corners_ > 3) faces_.polygons.push_back({first_triangle_, n_corners_ - 2, n_known});
+        if (is_short()) {
+            ++faces_.n_short;
+            return;
+        }
+        std::optional<std::size_t> first_texcoord;
+        if (is_textured_) {
+            first_texcoord = first_texcoord_;
+            note_textured();
+        } else {
+            faces_.texcoords.resize(first_texcoord_);
+        }
+        if (n_corners_ > 3) {
+            faces_.polygons.push_back({first_triangle_, n_corners_ - 2, n_known, first_texcoord});
+        }
     }
 
   private:
+    void note_textured() {
+        const std::size_t n = n_corners_ - 2;
+        if (!faces_.textured.empty()) {
+            TextFaces::Textured& last = faces_.textured.back();
+            if (last.first_triangle + last.n_triangles == first_triangle_) {
+                last.n_triangles += n;
+                return;
+            }
+        }
+        faces_.textured.push_back({first_triangle_, n});
+    }
+
+    struct Corner {
+        std::uint64_t id = 0;
+        std::uint64_t texcoord = 0;
+    };
     TextFaces& faces_;
     std::size_t first_triangle_;
+    std::size_t first_texcoord_;
     std::size_t n_corners_ = 0;
-    std::uint64_t first_ = 0;
-    std::uint64_t previous_ = 0;
+    bool is_textured_ = true;  // so far
+    Corner first_;
+    Corner previous_;
 };
 
 /// Takes the faces of one chunk after the other. Polygons that are not convex are cut anew, with
@@ -84,11 +133,13 @@ class FaceImport {
     /// the file. A polygon with a corner that is no vertex in front of it stays a fan.
     void add(TextFaces& faces, std::uint64_t n_vertices_before);
 
-    /// Names in MeshImport::ignore() what had to stay a fan. Once, at the end.
+    /// Names in MeshImport::ignore() what had to stay a fan, and gives the memory back. Once, at
+    /// the end.
     void finish();
 
   private:
-    void cut(std::span<Triangle> fan, std::uint64_t n_known);
+    /// `texcoords`, of the same triangles, may be empty.
+    void cut(std::span<Triangle> fan, std::span<Triangle> texcoords, std::uint64_t n_known);
     void make_cache();
 
     MeshImport& import_;
@@ -97,6 +148,7 @@ class FaceImport {
     std::optional<ooc::SpoolCache<Vec3>> positions_;
     PolygonTriangulation triangulation_;
     std::vector<std::uint64_t> ids_;
+    std::vector<std::uint64_t> texcoords_;
     std::vector<Vec3> corners_;
     std::uint64_t n_fanned_ = 0;
 };

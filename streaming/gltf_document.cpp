@@ -149,6 +149,38 @@ bool append_base64(std::string_view text, TemporaryInput& out) {
     return true;
 }
 
+/// What a `data:` URI holds, in a temporary file.
+FileRange unpack(GltfDocument& document, const std::string& uri, const std::string& what,
+                 const OpenOptions& options) {
+    const std::size_t comma = uri.find(',');
+    const bool is_base64 = comma != uri.npos && uri.substr(0, comma).find(";base64") != uri.npos;
+    TemporaryInput out(beside(options, document.held_temp_bytes));
+    if (!is_base64 || !append_base64(std::string_view(uri).substr(comma + 1), out)) {
+        throw FormatError(what + ": its data: uri is damaged");
+    }
+    const std::uint64_t size = out.size();
+    document.held_temp_bytes += size;
+    return {out.finish(document.name), 0, size};
+}
+
+/// What an address in the document leads to.
+FileRange find_uri(GltfDocument& document, const std::string& uri, const std::string& what,
+                   const OpenOptions& options) {
+    if (uri.starts_with("data:")) return unpack(document, uri, what, options);
+    if (uri.find("://") != std::string::npos) {
+        throw FormatError(what + " is at " + uri + "; fetch it and name the file");
+    }
+    const std::filesystem::path path = percent_decoded(uri);
+    if (path.is_absolute()) {
+        throw FormatError(what + ": " + uri + " is an absolute path; glTF wants a relative one");
+    }
+    const std::filesystem::path folder = std::filesystem::path(document.name).parent_path();
+    auto file = std::make_shared<ooc::InputFile>(folder / path);
+    document.n_bytes += file->size();
+    const std::uint64_t size = file->size();
+    return {std::move(file), 0, size};
+}
+
 /// Opens the buffers of a document.
 class BufferFinder {
   public:
@@ -171,40 +203,12 @@ class BufferFinder {
 
   private:
     FileRange find(const gltf::Buffer& buffer, const std::string& what) {
-        if (!buffer.uri) {
-            // The first buffer of a GLB is its chunk; others without an address are stand-ins.
-            if (document_.buffers.empty() && chunks_.bin_bytes > 0) {
-                return {file_, chunks_.bin_offset, chunks_.bin_bytes};
-            }
-            return {};
+        if (buffer.uri) return find_uri(document_, *buffer.uri, what, options_);
+        // The first buffer of a GLB is its chunk; others without an address are stand-ins.
+        if (document_.buffers.empty() && chunks_.bin_bytes > 0) {
+            return {file_, chunks_.bin_offset, chunks_.bin_bytes};
         }
-        const std::string& uri = *buffer.uri;
-        if (uri.starts_with("data:")) return unpack(uri, what);
-        if (uri.find("://") != std::string::npos) {
-            throw FormatError(what + " is at " + uri + "; fetch it and name the file");
-        }
-        const std::filesystem::path path = percent_decoded(uri);
-        if (path.is_absolute()) {
-            throw FormatError(what + ": " + uri +
-                              " is an absolute path; glTF wants a relative one");
-        }
-        auto file = std::make_shared<ooc::InputFile>(file_->path().parent_path() / path);
-        document_.n_bytes += file->size();
-        const std::uint64_t size = file->size();
-        return {std::move(file), 0, size};
-    }
-
-    FileRange unpack(const std::string& uri, const std::string& what) {
-        const std::size_t comma = uri.find(',');
-        const bool is_base64 =
-            comma != uri.npos && uri.substr(0, comma).find(";base64") != uri.npos;
-        TemporaryInput out(beside(options_, document_.held_temp_bytes));
-        if (!is_base64 || !append_base64(std::string_view(uri).substr(comma + 1), out)) {
-            throw FormatError(what + ": its data: uri is damaged");
-        }
-        const std::uint64_t size = out.size();
-        document_.held_temp_bytes += size;
-        return {out.finish(document_.name), 0, size};
+        return {};
     }
 
     GltfDocument& document_;
@@ -236,6 +240,18 @@ GltfDocument read_gltf(std::unique_ptr<ooc::InputFile> owned, bool is_binary,
         buffer.uri.reset();  // as long as its data, perhaps
     }
     return document;
+}
+
+FileRange open_image_data(GltfDocument& document, std::int64_t index, const OpenOptions& options) {
+    const std::string what = document.name + ": image " + std::to_string(index);
+    if (index < 0 || static_cast<std::size_t>(index) >= document.model.images.size()) {
+        throw FormatError(what + " is asked for, but there is none");
+    }
+    const gltf::Image& image = document.model.images[static_cast<std::size_t>(index)];
+    if (image.uri) return find_uri(document, *image.uri, what, options);
+    FileRange range = buffer_view(document, image.view);
+    if (!range.file) throw FormatError(what + ": the buffer of its data is not there");
+    return range;
 }
 
 FileRange buffer_view(const GltfDocument& document, std::int64_t index) {

@@ -10,21 +10,15 @@
 
 #include "hewer/mesh_source.h"
 #include "ooc/file.h"
+#include "streaming/file_range.h"
 #include "streaming/gltf_model.h"
 
 namespace hewer::streaming {
 
-/// A range of a file. No file: the buffer is only a stand-in for compressed data (the fallback of
-/// EXT_meshopt_compression).
-struct FileRange {
-    std::shared_ptr<const ooc::InputFile> file;
-    std::uint64_t offset = 0;
-    std::uint64_t n_bytes = 0;
-};
-
 struct GltfDocument {
     std::string name;  ///< the path, for messages
     gltf::Model model;
+    /// No file: a stand-in for compressed data (the fallback of EXT_meshopt_compression).
     std::vector<FileRange> buffers;
     std::uint64_t n_bytes = 0;          ///< of all files together
     std::uint64_t held_temp_bytes = 0;  ///< of buffers that were unpacked
@@ -38,6 +32,10 @@ struct GltfDocument {
 /// OutOfMemoryBudget, OutOfDiskBudget.
 GltfDocument read_gltf(std::unique_ptr<ooc::InputFile> file, bool is_binary,
                        const OpenOptions& options);
+
+/// The file of image `index`, wherever it is: a file of its own (of which the size is added to
+/// n_bytes), part of a buffer, or in the JSON. Throws FormatError, IoError, OutOfDiskBudget.
+FileRange open_image_data(GltfDocument& document, std::int64_t index, const OpenOptions& options);
 
 /// The bytes of buffer view `index`. Throws FormatError if it is none, or reaches out of its
 /// buffer.

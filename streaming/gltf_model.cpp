@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "streaming/gltf_model.h"
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -15,6 +17,8 @@ using Json = nlohmann::json;
 constexpr const char* kMeshopt = "EXT_meshopt_compression";
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
 constexpr const char* kInstancing = "EXT_mesh_gpu_instancing";
+constexpr const char* kTransform = "KHR_texture_transform";
+constexpr const char* kSpecularGlossiness = "KHR_materials_pbrSpecularGlossiness";
 
 /// A value of the document and the way to it, for messages.
 class Item {
@@ -44,6 +48,12 @@ class Item {
     [[nodiscard]] std::int64_t index(const char* key) const {
         const std::optional<Item> item = find(key);
         return item ? item->as_index() : kNone;
+    }
+    [[nodiscard]] double number(const char* key, double otherwise) const {
+        const std::optional<Item> item = find(key);
+        if (!item) return otherwise;
+        if (!item->json_->is_number()) item->fail("a number was expected");
+        return item->json_->get<double>();
     }
     [[nodiscard]] std::string text(const char* key) const {
         const std::optional<Item> item = find(key);
@@ -216,14 +226,69 @@ Node parse_node(const Item& item) {
     return node;
 }
 
+TextureUse parse_texture_use(const Item& item) {
+    TextureUse use;
+    use.texture = item.index("index");
+    if (item.has("texCoord")) use.texcoord = item.index("texCoord");
+    const std::optional<Item> transform = item.extension(kTransform);
+    if (!transform) return use;
+    if (transform->has("texCoord")) use.texcoord = transform->index("texCoord");
+    std::vector<double> scale = transform->numbers("scale");
+    std::vector<double> offset = transform->numbers("offset");
+    if (scale.size() != 2) scale = {1, 1};
+    if (offset.size() != 2) offset = {0, 0};
+    const double angle = transform->number("rotation", 0);
+    const double c = std::cos(angle);
+    const double s = std::sin(angle);
+    use.to_image = {
+        {{scale[0] * c, scale[1] * s, offset[0]}, {-scale[0] * s, scale[1] * c, offset[1]}}};
+    return use;
+}
+
+/// Factor and texture of the base colour, under the names that they have in `item`.
+void parse_base_color(const Item& item, const char* factor, const char* texture,
+                      Material& material) {
+    const std::vector<double> color = item.numbers(factor);
+    if (color.size() == 4) std::copy(color.begin(), color.end(), material.base_color.begin());
+    if (const auto use = item.find(texture)) material.base_texture = parse_texture_use(*use);
+}
+
 Material parse_material(const Item& item) {
     Material material;
+    material.has_other_textures =
+        item.has("normalTexture") || item.has("occlusionTexture") || item.has("emissiveTexture");
+    // Older files have the same colour twice, for viewers of either kind.
+    if (const auto older = item.extension(kSpecularGlossiness)) {
+        parse_base_color(*older, "diffuseFactor", "diffuseTexture", material);
+        material.has_other_textures |= older->has("specularGlossinessTexture");
+    }
     if (const auto pbr = item.find("pbrMetallicRoughness")) {
-        const std::vector<double> color = pbr->numbers("baseColorFactor");
-        if (color.size() == 4) std::copy(color.begin(), color.end(), material.base_color.begin());
-        material.has_texture = pbr->has("baseColorTexture");
+        parse_base_color(*pbr, "baseColorFactor", "baseColorTexture", material);
+        material.has_other_textures |= pbr->has("metallicRoughnessTexture");
     }
     return material;
+}
+
+Texture parse_texture(const Item& item) {
+    Texture texture{item.index("sampler"), item.index("source"), {}};
+    for (const char* name :
+         {"KHR_texture_basisu", "EXT_texture_webp", "MSFT_texture_dds", "EXT_texture_avif"}) {
+        if (item.extension(name)) texture.extension = name;
+    }
+    return texture;
+}
+
+Sampler parse_sampler(const Item& item) {
+    Sampler sampler;
+    if (item.has("wrapS")) sampler.wrap_s = item.index("wrapS");
+    if (item.has("wrapT")) sampler.wrap_t = item.index("wrapT");
+    return sampler;
+}
+
+Image parse_image(const Item& item) {
+    Image image{item.index("bufferView"), {}};
+    if (item.has("uri")) image.uri = item.text("uri");
+    return image;
 }
 
 Buffer parse_buffer(const Item& item) {
@@ -257,6 +322,9 @@ Model parse_model(const Json& document, const std::string& name) {
         "scenes", [](const Item& item) { return item.indices("nodes"); });
     model.scene = root.index("scene");
     model.materials = root.list<Material>("materials", parse_material);
+    model.textures = root.list<Texture>("textures", parse_texture);
+    model.samplers = root.list<Sampler>("samplers", parse_sampler);
+    model.images = root.list<Image>("images", parse_image);
     model.has_animations = root.has("animations");
     return model;
 }

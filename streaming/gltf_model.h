@@ -79,9 +79,34 @@ struct Node {
     Affine transform = kIdentity;
 };
 
+/// How a material uses a texture.
+struct TextureUse {
+    std::int64_t texture = kNone;
+    std::int64_t texcoord = 0;  ///< n of TEXCOORD_n
+    /// KHR_texture_transform: (u, v, 1) to places in the image.
+    std::array<std::array<double, 3>, 2> to_image{{{1, 0, 0}, {0, 1, 0}}};
+};
+
 struct Material {
     std::array<double, 4> base_color{1, 1, 1, 1};
-    bool has_texture = false;
+    std::optional<TextureUse> base_texture;
+    bool has_other_textures = false;
+};
+
+struct Texture {
+    std::int64_t sampler = kNone;
+    std::int64_t image = kNone;
+    std::string extension;  ///< that names another image: KHR_texture_basisu, ...
+};
+
+struct Sampler {
+    std::int64_t wrap_s = 10497;  ///< REPEAT
+    std::int64_t wrap_t = 10497;
+};
+
+struct Image {
+    std::int64_t view = kNone;
+    std::optional<std::string> uri;
 };
 
 struct Buffer {
@@ -99,6 +124,9 @@ struct Model {
     std::vector<std::vector<std::int64_t>> scenes;  ///< root nodes
     std::int64_t scene = kNone;
     std::vector<Material> materials;
+    std::vector<Texture> textures;
+    std::vector<Sampler> samplers;
+    std::vector<Image> images;
     bool has_animations = false;
 };
 

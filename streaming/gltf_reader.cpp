@@ -14,6 +14,7 @@
 #include "streaming/draco_arrays.h"
 #include "streaming/gltf_arrays.h"
 #include "streaming/gltf_document.h"
+#include "streaming/gltf_textures.h"
 #include "streaming/joined_source.h"
 #include "streaming/position_precision.h"
 
@@ -71,12 +72,13 @@ enum class Look { AtData, AtDocument };
 
 class Scene {
   public:
-    Scene(GltfDocument document, const OpenOptions& options, Look look)
+    Scene(GltfDocument document, const OpenOptions& options, const Hooks& hooks, Look look)
         : document_(std::move(document)),
           model_(document_.model),
           options_(options),
           look_(look),
-          arrays_(document_, options_) {
+          arrays_(document_, options_),
+          textures_(document_, arrays_, options_, hooks) {
         require_known_extensions();
         if (model_.has_animations) ignore("animations");
     }
@@ -88,6 +90,8 @@ class Scene {
         // What concerns all of them is told by one.
         placed_.front().n_bytes = document_.n_bytes;
         placed_.front().held_temp_bytes = arrays_.held_temp_bytes();
+        placed_.front().textures = textures_.infos();
+        for (const std::string& what : textures_.missing()) ignore(what);
         placed_.front().ignored = ignored_;
         std::vector<std::unique_ptr<MeshSource>> parts;
         parts.reserve(placed_.size());
@@ -282,30 +286,48 @@ class Scene {
             static_cast<std::size_t>(position->second) >= model_.accessors.size()) {
             throw FormatError(what + ": there is no accessor " + std::to_string(position->second));
         }
-        name_ignored(primitive);
+        const gltf::Material* const material = find_material(primitive);
+        const gltf::TextureUse* const texture =
+            material != nullptr && material->base_texture ? &*material->base_texture : nullptr;
+        const std::string texcoord =
+            texture != nullptr ? "TEXCOORD_" + std::to_string(texture->texcoord) : std::string();
+        name_ignored(primitive, texcoord);
         if (look_ == Look::AtDocument) {
             claim(primitive, arrays, what);
         } else if (primitive.draco) {
-            decode(*primitive.draco, what, arrays);
+            decode(*primitive.draco, texcoord, what, arrays);
         } else {
-            fill(primitive, arrays, what);
+            fill(primitive, texcoord, arrays, what);
         }
         arrays.name = what;
         arrays.format = format();
         arrays.has_linear_colors = true;
-        if (primitive.material >= 0 &&
-            static_cast<std::size_t>(primitive.material) < model_.materials.size()) {
-            const gltf::Material& material =
-                model_.materials[static_cast<std::size_t>(primitive.material)];
-            arrays.color_factor = material.base_color;
-            if (material.has_texture) ignore("textures");
+        if (material == nullptr) return arrays;
+        arrays.color_factor = material->base_color;
+        if (material->has_other_textures) ignore("textures other than those of base colours");
+        if (texture == nullptr || arrays.positions.count == 0) return arrays;
+        const StridedArray& coordinates = arrays.texcoords;
+        if (coordinates.count == arrays.positions.count && coordinates.n_components == 2) {
+            textures_.paint(*texture, arrays);
+            arrays.texcoords = {};
+        } else {
+            ignore("textures of meshes without " + texcoord);
         }
         return arrays;
     }
 
-    void name_ignored(const gltf::Primitive& primitive) {
+    const gltf::Material* find_material(const gltf::Primitive& primitive) const {
+        const auto i = static_cast<std::size_t>(primitive.material);
+        return primitive.material >= 0 && i < model_.materials.size() ? &model_.materials[i]
+                                                                      : nullptr;
+    }
+
+    /// @param texcoord  the attribute that goes into colours; empty: none.
+    void name_ignored(const gltf::Primitive& primitive, const std::string& texcoord) {
         for (const auto& [name, accessor] : primitive.attributes) {
-            if (name != "POSITION" && name != "NORMAL" && name != "COLOR_0") ignore(name);
+            if (name != "POSITION" && name != "NORMAL" && name != "COLOR_0" && name != texcoord) {
+                ignore(name);
+            }
         }
         if (primitive.has_targets) ignore("morph targets");
     }
@@ -335,17 +357,20 @@ class Scene {
         is_encoded_ = is_encoded_ || primitive.draco;
     }
 
-    void fill(const gltf::Primitive& primitive, ArrayMesh& arrays, const std::string& what) {
-        const auto find = [&](const char* name) {
+    void fill(const gltf::Primitive& primitive, const std::string& texcoord, ArrayMesh& arrays,
+              const std::string& what) {
+        const auto find = [&](const std::string& name) {
             const auto it = primitive.attributes.find(name);
             return it != primitive.attributes.end() ? arrays_.array(it->second) : StridedArray{};
         };
         arrays.positions = find("POSITION");
         arrays.normals = find("NORMAL");
         arrays.colors = find("COLOR_0");
+        arrays.texcoords = find(texcoord);
         if (primitive.indices >= 0) arrays.indices = arrays_.array(primitive.indices);
         const std::uint64_t n = arrays.positions.count;
         const bool is_alike = arrays.positions.n_components == 3 &&
+
                               (arrays.normals.count == 0 ||
                                (arrays.normals.count == n && arrays.normals.n_components == 3)) &&
                               (arrays.colors.count == 0 ||
@@ -357,8 +382,9 @@ class Scene {
         }
     }
 
-    void decode(const gltf::DracoPart& draco, const std::string& what, ArrayMesh& arrays) {
-        const auto id_of = [&](const char* name) -> std::optional<std::uint32_t> {
+    void decode(const gltf::DracoPart& draco, const std::string& texcoord, const std::string& what,
+                ArrayMesh& arrays) {
+        const auto id_of = [&](const std::string& name) -> std::optional<std::uint32_t> {
             const auto it = draco.ids.find(name);
             if (it == draco.ids.end()) return {};
             return static_cast<std::uint32_t>(it->second);
@@ -368,7 +394,8 @@ class Scene {
         // Whatever the primitive says: Draco's faces are triangles.
         arrays =
             decode_draco(*range.file, range.offset, range.n_bytes,
-                         {id_of("POSITION"), id_of("NORMAL"), id_of("COLOR_0")}, arrays_.rest());
+                         {id_of("POSITION"), id_of("NORMAL"), id_of("COLOR_0"), id_of(texcoord)},
+                         arrays_.rest());
         arrays_.add_held_temp_bytes(std::exchange(arrays.held_temp_bytes, 0));
     }
 
@@ -377,6 +404,7 @@ class Scene {
     const OpenOptions& options_;
     Look look_;
     GltfArrays arrays_;
+    GltfTextures textures_;
     std::vector<std::string> ignored_;
     std::map<std::pair<std::int64_t, std::size_t>, ArrayMesh> primitives_;
     std::vector<ArrayMesh> placed_;
@@ -388,13 +416,14 @@ class Scene {
 }  // namespace
 
 std::unique_ptr<MeshSource> open_gltf(std::unique_ptr<ooc::InputFile> file, bool is_binary,
-                                      const OpenOptions& options) {
-    return Scene(read_gltf(std::move(file), is_binary, options), options, Look::AtData).open();
+                                      const OpenOptions& options, const Hooks& hooks) {
+    return Scene(read_gltf(std::move(file), is_binary, options), options, hooks, Look::AtData)
+        .open();
 }
 
 bool glance_gltf(std::unique_ptr<ooc::InputFile> file, bool is_binary, const OpenOptions& options,
                  InputReport& report) {
-    return Scene(read_gltf(std::move(file), is_binary, options), options, Look::AtDocument)
+    return Scene(read_gltf(std::move(file), is_binary, options), options, {}, Look::AtDocument)
         .describe(report);
 }
 

@@ -226,6 +226,7 @@ InputReport info(const InputPaths& input, const InfoOptions& options, const Hook
     report.faces = about.n_faces;
     report.has_normals = about.has_normals;
     report.has_colors = about.has_colors;
+    report.textures = about.textures;
     report.ignored = about.ignored;
 
     {

@@ -34,6 +34,7 @@ class JoinedSource final : public MeshSource {
             info_.has_normals |= p.has_normals;
             info_.has_colors |= p.has_colors;
             info_.has_alpha |= p.has_alpha;
+            info_.textures.insert(info_.textures.end(), p.textures.begin(), p.textures.end());
             for (const std::string& what : p.ignored) {
                 if (std::find(info_.ignored.begin(), info_.ignored.end(), what) ==
                     info_.ignored.end()) {

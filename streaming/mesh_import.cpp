@@ -242,8 +242,17 @@ InputDefects& MeshImport::defects() {
 const ooc::Spool<Vec3>& MeshImport::positions() const {
     return state_->positions;
 }
+const ooc::Spool<Rgba16>& MeshImport::colors() const {
+    return state_->colors;
+}
+const ooc::Spool<PackedTriangle>& MeshImport::triangles() const {
+    return state_->triangles;
+}
 void MeshImport::set_has_alpha() {
     state_->has_alpha = true;
+}
+void MeshImport::set_textures(std::vector<TextureInfo> textures) {
+    state_->info.textures = std::move(textures);
 }
 
 void MeshImport::ignore(const std::string& what) {

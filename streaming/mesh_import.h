@@ -64,6 +64,8 @@ class MeshImport {
     void ignore(const std::string& what);
     /// Alpha is told apart from opaque colours only if the file has it.
     void set_has_alpha();
+    /// For SourceInfo::textures.
+    void set_textures(std::vector<TextureInfo> textures);
 
     /// Normals and colours may begin, or be missing, anywhere: what has none gets a zero normal
     /// (that is, none) and opaque white.
@@ -80,8 +82,10 @@ class MeshImport {
     void take_normals(ooc::Spool<std::array<float, 3>> normals);
     void take_colors(ooc::Spool<Rgba16> colors);
 
-    /// Vertices that were added, to be looked up while others still come.
+    /// What was added, to be looked up while more still comes.
     [[nodiscard]] const ooc::Spool<Vec3>& positions() const;
+    [[nodiscard]] const ooc::Spool<Rgba16>& colors() const;
+    [[nodiscard]] const ooc::Spool<PackedTriangle>& triangles() const;
 
     /// Once, at the end. Throws FormatError: no triangles.
     std::unique_ptr<MeshSource> finish();

@@ -18,16 +18,13 @@ struct Statement {
     std::string_view word;
     const char* lost;
 };
-constexpr std::array<Statement, 20> kStatements{{
+constexpr std::array<Statement, 17> kStatements{{
     {"g", nullptr},
     {"o", nullptr},
     {"s", nullptr},
-    {"usemtl", nullptr},
     {"mg", nullptr},
     {"end", nullptr},
-    {"vt", "texture coordinates"},
     {"vp", "points of parameter spaces"},
-    {"mtllib", "materials"},
     {"usemap", "materials"},
     {"maplib", "materials"},
     {"l", "lines"},
@@ -92,6 +89,8 @@ class Parser {
                 p = face(p);
             } else if (p[0] == 'v' && p[1] == 'n' && is_blank(p[2])) {
                 p = normal(p);
+            } else if (p[0] == 'v' && p[1] == 't' && is_blank(p[2])) {
+                p = texcoord(p);
             } else if (*p != '#' && *p != line_end_) {
                 other(p);
             }
@@ -145,6 +144,17 @@ class Parser {
         return p;
     }
 
+    /// "u", "u v" or "u v w".
+    const unsigned char* texcoord(const unsigned char* line) {
+        double u = 0;
+        double v = 0;
+        const unsigned char* p = read_double(line + 2, chunk_, u);
+        p = skip_blanks_in_line(p, line_end_);
+        if (*p != line_end_ && *p != '#') p = read_double(p, chunk_, v);
+        out_.texcoords.push_back({static_cast<float>(u), static_cast<float>(v)});
+        return p;
+    }
+
     const unsigned char* face(const unsigned char* line) {
         TextFace face(out_.faces);
         std::uint64_t highest_id = 0;
@@ -152,10 +162,11 @@ class Parser {
         const unsigned char* p = skip_blanks_in_line(line + 1, line_end_);
         while (*p != line_end_ && *p != '#') {
             std::uint64_t id = 0;
-            p = skip_blanks_in_line(corner(p, id), line_end_);
+            std::uint64_t texcoord = 0;
+            p = skip_blanks_in_line(corner(p, id, texcoord), line_end_);
             if (id <= ObjId::kNone) highest_id = std::max(highest_id, id);
             is_in_range = is_in_range && (!is_watching_ || is_vertex(id));
-            face.add(id);
+            face.add(id, texcoord);
         }
         if (!face.is_short()) {
             out_.highest_id = std::max(out_.highest_id, highest_id);
@@ -174,7 +185,8 @@ class Parser {
     }
 
     /// "v", "v/vt", "v//vn" or "v/vt/vn"; numbers behind the slashes may be missing.
-    const unsigned char* corner(const unsigned char* p, std::uint64_t& id) {
+    const unsigned char* corner(const unsigned char* p, std::uint64_t& id,
+                                std::uint64_t& texcoord) {
         const unsigned char* const token = p;
         std::int64_t v = 0;
         std::int64_t vt = 0;
@@ -191,20 +203,22 @@ class Parser {
             }
         }
         if (!is_blank(*p)) refuse_number(token, chunk_, "a corner of a face");
-        if (v > 0) {
-            id = static_cast<std::uint64_t>(v - 1);
-        } else if (v == 0) {
-            id = ObjId::kNone;
-        } else {
-            id = ObjId::kRelative + out_.positions.size() + static_cast<std::uint64_t>(v);
-            out_.has_relative_ids = true;
-        }
+        id = to_id(v, out_.positions.size());
+        if (v < 0) out_.has_relative_ids = true;
+        texcoord = vt == 0 ? TextFaces::kNoTexcoord : to_id(vt, out_.texcoords.size());
         if (has_normal) {
             note_normal(v, vn);
         } else {
             out_.has_corners_without_normal = true;
         }
         return p;
+    }
+
+    /// As in ObjId; `n_before` elements stand in front, in the chunk.
+    static std::uint64_t to_id(std::int64_t number, std::size_t n_before) {
+        if (number > 0) return static_cast<std::uint64_t>(number - 1);
+        if (number == 0) return ObjId::kNone;
+        return ObjId::kRelative + n_before + static_cast<std::uint64_t>(number);
     }
 
     void note_normal(std::int64_t v, std::int64_t vn) {
@@ -243,7 +257,10 @@ class Parser {
         const auto* const it =
             std::find_if(kStatements.begin(), kStatements.end(),
                          [&](const Statement& statement) { return statement.word == word; });
-        if (it != kStatements.end()) {
+        if (word == "usemtl" || word == "mtllib") {
+            auto& lines = word == "usemtl" ? out_.used_materials : out_.material_files;
+            lines.push_back({out_.faces.triangles.size(), rest_of_line(p + word.size())});
+        } else if (it != kStatements.end()) {
             if (it->lost != nullptr) ignore(it->lost);
         } else if (std::isalpha(*p) != 0 || *p == '_') {
             if (out_.first_unknown.empty()) out_.first_unknown = quote_token(p, chunk_.end());
@@ -251,6 +268,14 @@ class Parser {
             throw TextProblem{p, quote_token(p, chunk_.end()) +
                                      " begins no statement of OBJ (v, vn, vt, f, ...)"};
         }
+    }
+
+    /// Without the blanks around it.
+    std::string rest_of_line(const unsigned char* p) const {
+        p = skip_blanks_in_line(p, line_end_);
+        const unsigned char* end = find_line_end(p, chunk_.end(), line_end_);
+        while (end != p && is_blank(end[-1])) --end;
+        return {reinterpret_cast<const char*>(p), static_cast<std::size_t>(end - p)};
     }
 
     const TextChunk& chunk_;
@@ -268,6 +293,7 @@ void ObjChunk::clear() {
     positions.clear();
     colors.clear();
     normals.clear();
+    texcoords.clear();
     faces.clear();
     dirt = {};
     highest_id = 0;
@@ -276,6 +302,8 @@ void ObjChunk::clear() {
     has_corners_with_normal = false;
     has_other_normals = false;
     relative_normal_shift.reset();
+    used_materials.clear();
+    material_files.clear();
     ignored.clear();
     first_unknown.clear();
 }

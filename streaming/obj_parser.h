@@ -35,6 +35,7 @@ struct ObjChunk {
     std::vector<Vec3> positions;
     std::vector<TextColor> colors;  ///< empty, or of the first vertices
     std::vector<std::array<float, 3>> normals;
+    std::vector<std::array<float, 2>> texcoords;
     TextFaces faces;               ///< ids as in ObjId
     TextDirt dirt;                 ///< out of range: not known here
     std::uint64_t highest_id = 0;  ///< of those that are not relative
@@ -46,6 +47,14 @@ struct ObjChunk {
     bool has_other_normals = false;  ///< not of the number of the vertex
     /// Relative ones: of the normal minus that of the vertex, both from the beginning of the chunk.
     std::optional<std::int64_t> relative_normal_shift;
+
+    /// What stands behind "usemtl" or "mtllib", before triangle `n_before` of the chunk.
+    struct MaterialLine {
+        std::size_t n_before;
+        std::string text;
+    };
+    std::vector<MaterialLine> used_materials;
+    std::vector<MaterialLine> material_files;
 
     std::vector<std::string> ignored;  ///< for MeshImport::ignore()
     std::string first_unknown;         ///< of the words that begin no statement of OBJ, in quotes

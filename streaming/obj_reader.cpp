@@ -2,12 +2,14 @@
 #include "streaming/obj_reader.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "hewer/error.h"
 #include "streaming/face_import.h"
+#include "streaming/obj_materials.h"
 #include "streaming/obj_parser.h"
 #include "streaming/text_colors.h"
 
@@ -60,20 +62,22 @@ class ObjImport {
     ObjImport(const ooc::InputFile& file, const OpenOptions& options, const Hooks& hooks,
               const TextTuning& tuning)
         : import_(file.path().string(), "OBJ", file.size(), options, hooks),
-          text_(file, import_, find_line_cut, tuning),
+          text_(std::in_place, file, import_, find_line_cut, tuning),
           findings_(import_, file.path().string(), "vertex"),
           colors_(import_),
           normals_(import_),
+          materials_(import_, file.path(), options, hooks),
           faces_(import_, file.size() / kLeastVertexBytes) {}
 
     std::unique_ptr<MeshSource> run() {
-        text_.run<ObjChunk>(
-            text_.chunks(), 1, [](TextChunk& chunk, ObjChunk& found) { parse_obj(chunk, found); },
+        text_->run<ObjChunk>(
+            text_->chunks(), 1, [](TextChunk& chunk, ObjChunk& found) { parse_obj(chunk, found); },
             [&](ObjChunk& found, std::uint64_t line, std::uint64_t i) {
                 add(found, line, i);
                 return true;
             });
         place_out_of_range();
+        text_.reset();  // its memory is for textures
         if (!first_unknown_.empty()) {
             import_.ignore("lines that are not known to be OBJ, such as those that begin with " +
                            first_unknown_);
@@ -81,6 +85,7 @@ class ObjImport {
         colors_.finish();
         normals_.finish();
         faces_.finish();
+        materials_.finish();
         return import_.finish();
     }
 
@@ -108,6 +113,7 @@ class ObjImport {
         }
         n_faces_before_ += chunk.faces.n_faces;
         faces_.add(chunk.faces, n_vertices_before);
+        materials_.add(chunk);
         for (const std::string& what : chunk.ignored) import_.ignore(what);
         if (first_unknown_.empty()) first_unknown_ = chunk.first_unknown;
     }
@@ -129,7 +135,7 @@ class ObjImport {
             [&](const Suspect& suspect) { return suspect.highest_id >= import_.n_vertices(); });
         if (it == suspects_.end()) return;
         TextChunk chunk;
-        text_.chunks().read(it->chunk, chunk);
+        text_->chunks().read(it->chunk, chunk);
         const auto place = find_out_of_range(chunk, import_.n_vertices(), it->n_vertices_before);
         if (!place) throw InternalError("a vertex id has changed since it was read");
         findings_.note({.nonfinite = {}, .short_face = {}, .out_of_range = place},
@@ -137,10 +143,11 @@ class ObjImport {
     }
 
     MeshImport import_;
-    TextImport text_;
+    std::optional<TextImport> text_;  // until all is parsed
     TextFindings findings_;
     TextColors colors_;
     ObjNormals normals_;
+    ObjMaterials materials_;
     FaceImport faces_;
     std::uint64_t n_faces_before_ = 0;
     std::string first_unknown_;

@@ -70,9 +70,9 @@ std::unique_ptr<MeshSource> open_as(FileFormat format, std::unique_ptr<ooc::Inpu
         case FileFormat::BinaryStl:
             return streaming::open_binary_stl(std::move(file), options.strict);
         case FileFormat::Gltf:
-            return streaming::open_gltf(std::move(file), false, options);
+            return streaming::open_gltf(std::move(file), false, options, hooks);
         case FileFormat::Glb:
-            return streaming::open_gltf(std::move(file), true, options);
+            return streaming::open_gltf(std::move(file), true, options, hooks);
         case FileFormat::Draco:
             return streaming::open_draco(std::move(file), options);
         case FileFormat::OpenMesh:

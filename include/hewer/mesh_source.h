@@ -33,6 +33,14 @@ struct InputDefects {
     void merge(const InputDefects& other);
 };
 
+/// An image that the colours of vertices were sampled from.
+struct TextureInfo {
+    std::string name;    ///< the path, or the place in the file
+    std::string format;  ///< "PNG", "JPEG"
+    std::uint32_t width = 0;
+    std::uint32_t height = 0;
+};
+
 /// What is known of an input before it is read through. Counts are the file's own claim.
 struct SourceInfo {
     std::string name;              ///< the path, for messages
@@ -46,7 +54,8 @@ struct SourceInfo {
     bool has_normals = false;
     bool has_colors = false;
     bool has_alpha = false;
-    std::vector<std::string> ignored;  ///< properties and elements that hewer does not carry
+    std::vector<TextureInfo> textures;  ///< that are in the colours; see docs/textures.md
+    std::vector<std::string> ignored;   ///< properties and elements that hewer does not carry
 };
 
 /// Consecutive vertices. `normals` and `colors` are empty unless SourceInfo says that they are

@@ -59,6 +59,7 @@ struct InputReport {
     Bounds bounds;
     bool has_normals = false;
     bool has_colors = false;
+    std::vector<TextureInfo> textures;  ///< that colours were sampled from
     std::vector<std::string> ignored;
     InputDefects defects;
     double area = 0;  ///< of all triangles, square model units; 0 with Method::Copy

@@ -24,8 +24,9 @@ Keys keys_of(const json& object) {
 
 const Keys input_keys{"path",        "format",        "bytes",           "opening_seconds",
                       "vertices",    "faces",         "triangles",       "bounds",
-                      "has_normals", "has_colors",    "ignored",         "defects",
-                      "area",        "vertex_passes", "triangle_passes", "basis"};
+                      "has_normals", "has_colors",    "textures",        "ignored",
+                      "defects",     "area",          "vertex_passes",   "triangle_passes",
+                      "basis"};
 
 TEST(CliInfo, tells_counts_bounds_and_area) {
     const ScratchDir dir;
