@@ -81,11 +81,10 @@ SimplifyOptions make_simplify_options(const Arguments& arguments) {
         for (const std::string_view key : {"cell", "drop_parts", "aggregate", "priority"}) {
             if (key == "drop_parts" && arguments.command() == Command::Plan) continue;
             if (!arguments.is_given(key)) continue;
-            throw InvalidArgument("--topology keep and --" + std::string(key) +
-                                  " contradict each other: " +
-                                  (key == "drop_parts" || key == "aggregate"
-                                       ? "every part is to stay as it is"
-                                                       : "keep takes every vertex as it is"));
+            throw InvalidArgument(
+                "--topology keep and --" + std::string(key) + " contradict each other: " +
+                (key == "drop_parts" || key == "aggregate" ? "every part is to stay as it is"
+                                                           : "keep takes every vertex as it is"));
         }
         options.topology = Topology::Keep;
     }

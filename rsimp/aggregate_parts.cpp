@@ -2,7 +2,9 @@
 #include "rsimp/aggregate_parts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -20,6 +22,7 @@
 #include "rsimp/cell_parts.h"
 #include "rsimp/cell_selection.h"
 #include "rsimp/cluster_summary.h"
+#include "rsimp/facing_walls.h"
 #include "rsimp/foreign_neighbours.h"
 #include "rsimp/grid_choice.h"
 
@@ -51,10 +54,11 @@ struct Tile {
     std::uint64_t n_cells;  // with those around
 };
 
-/// A cell and the nearest of another part.
+/// A cell and the nearest of another part; several of a cell where several parts meet.
 struct Contact {
     std::uint32_t cell;
     std::uint32_t other;
+    std::uint32_t part;
     Vec3 mean;
 };
 
@@ -74,12 +78,14 @@ class Contacts {
         cut_tiles();
     }
 
-    /// take(contact, part, part of the other) one by one, by rising cell.
+    /// Of cells, by their first piece; kNoPart for those without a face.
+    [[nodiscard]] ooc::Spool<std::uint32_t> take_names() { return std::move(names_); }
+
+    /// take(contact, part of the other) one by one, by rising cell.
     template <typename Take>
     void for_each(const Take& take) const {
         struct Found {
             Contact contact;
-            std::uint32_t part;
             std::uint32_t other_part;
         };
         struct Work {
@@ -96,17 +102,18 @@ class Contacts {
                 Loaded loaded;
                 load(tiles_[t], loaded);
                 ForeignNeighbours neighbours(loaded.means, loaded.parts);
+                std::vector<std::uint32_t> nearest;
                 for (std::uint32_t i = 0; i < loaded.n_own; ++i) {
-                    const auto nearest = neighbours.nearest(i, distance_);
-                    if (nearest.point == ForeignNeighbours::kNone) continue;
-                    work.found.push_back(
-                        {{loaded.ids[i], loaded.ids[nearest.point], loaded.means[i] + loaded.origin},
-                         loaded.parts[i],
-                         loaded.parts[nearest.point]});
+                    neighbours.nearest(i, distance_, nearest);
+                    for (const std::uint32_t other : nearest) {
+                        work.found.push_back({{loaded.ids[i], loaded.ids[other], loaded.parts[i],
+                                               loaded.means[i] + loaded.origin},
+                                              loaded.parts[other]});
+                    }
                 }
             },
             [&](std::uint64_t, const Work& work) {
-                for (const Found& f : work.found) take(f.contact, f.part, f.other_part);
+                for (const Found& f : work.found) take(f.contact, f.other_part);
             });
     }
 
@@ -125,8 +132,8 @@ class Contacts {
             return std::make_unique<BlocksInFlight>(context_, "close pairs of parts",
                                                     n_cells * kBytesPerCell);
         } catch (const OutOfMemoryBudget& e) {
-            throw OutOfMemoryBudget(std::string(e.what()) + "; or a shorter --aggregate: " +
-                                    std::to_string(n_cells) +
+            throw OutOfMemoryBudget(std::string(e.what()) +
+                                    "; or a shorter --aggregate: " + std::to_string(n_cells) +
                                     " cells of the grid lie within that distance of each other");
         }
     }
@@ -271,6 +278,7 @@ class Contacts {
 struct Member {
     std::uint32_t set;
     std::uint32_t cell;
+    std::uint32_t part;
     Vec3 mean;
 };
 bool is_before(const Member& a, const Member& b) {
@@ -350,9 +358,113 @@ class CellMerger {
     double farthest_ = 0;  // squared, in cells
 };
 
-/// Faces whose corners stay keep their order; the others find their new blocks by sorting.
+/// The parts that have a cell in each of the merged ones, and where these are. Memory: 4 bytes a
+/// member and 32 a set.
+class PartsOfSets {
+  public:
+    PartsOfSets(ooc::Context& context, const ooc::Spool<Member>& members, const CellMerger& merger)
+        : parts_(context.budget(), "parts of merged cells", members.size()) {
+        std::uint64_t n_sets = 0;
+        {
+            ooc::SpoolReader<Member> reader(members);
+            std::uint32_t last = kNoPart;
+            for (std::uint64_t i = 0; i < members.size(); ++i) {
+                const Member& m = *reader.next();
+                parts_[i] = m.part;
+                if (i == 0 || m.set != last) ++n_sets;
+                last = m.set;
+            }
+        }
+        sets_ = ooc::Array<Set>(context.budget(), "sets of merged cells", n_sets + 1);
+        ooc::SpoolReader<Member> reader(members);
+        std::uint64_t n = 0;
+        std::uint32_t last = kNoPart;
+        for (std::uint64_t i = 0; i < members.size(); ++i) {
+            const Member& m = *reader.next();
+            if (i == 0 || m.set != last) sets_[n++] = {merger.target(m.cell), i, {}};
+            last = m.set;
+            if (m.cell == sets_[n - 1].cell) sets_[n - 1].mean = m.mean;
+        }
+        sets_[n] = {kNoPart, members.size(), {}};
+        for (std::uint64_t s = 0; s < n; ++s) {
+            std::sort(parts_.begin() + sets_[s].first, parts_.begin() + sets_[s + 1].first);
+            sets_[s].n = sets_[s + 1].first - sets_[s].first;
+        }
+        std::sort(sets_.begin(), sets_.begin() + n,
+                  [](const Set& a, const Set& b) { return a.cell < b.cell; });
+    }
+
+    struct Set {
+        std::uint32_t cell;  // that stays
+        std::uint64_t first;
+        Vec3 mean;
+        std::uint64_t n = 0;
+    };
+    /// Nothing if nothing was merged with `cell`.
+    [[nodiscard]] const Set* find(std::uint32_t cell) const {
+        const Set* const end = sets_.end() - 1;
+        const Set* const at = std::lower_bound(
+            sets_.begin(), end, cell, [](const Set& s, std::uint32_t c) { return s.cell < c; });
+        return at != end && at->cell == cell ? at : nullptr;
+    }
+    /// The first part but `own` that all of the sets have a cell of; kNoPart if there is none.
+    [[nodiscard]] std::uint32_t common_part(const std::array<const Set*, 3>& sets,
+                                            std::uint32_t own) const {
+        const auto has = [&](const Set& s, std::uint32_t part) {
+            return std::binary_search(parts_.begin() + s.first, parts_.begin() + s.first + s.n,
+                                      part);
+        };
+        for (std::uint64_t i = 0; i < sets[0]->n; ++i) {
+            const std::uint32_t part = parts_[sets[0]->first + i];
+            if (part != own && has(*sets[1], part) && has(*sets[2], part)) return part;
+        }
+        return kNoPart;
+    }
+
+  private:
+    ooc::Array<std::uint32_t> parts_;
+    ooc::Array<Set> sets_;
+};
+
+/// A face of one of two parts all of whose corners both have a cell in.
+struct FacingFace {
+    std::uint32_t part;
+    std::uint32_t other;  // the larger one
+    WallFace face;
+};
+bool is_before_facing(const FacingFace& a, const FacingFace& b) {
+    return std::tie(a.part, a.other, a.face.cells) < std::tie(b.part, b.other, b.face.cells);
+}
+
+/// keep(cells) for the faces that kept_walls() keeps of each two parts.
+template <typename Keep>
+void settle_walls(ooc::Context& context, const ooc::Spool<FacingFace>& facing, double distance,
+                  const Keep& keep) {
+    constexpr std::uint64_t kBytesPerFace = 300;
+    ooc::SpoolReader<FacingFace> reader(facing);
+    std::vector<WallFace> faces;
+    while (reader.peek() != nullptr) {
+        const FacingFace first = *reader.peek();
+        faces.clear();
+        while (reader.peek() != nullptr && reader.peek()->part == first.part &&
+               reader.peek()->other == first.other) {
+            faces.push_back(reader.next()->face);
+        }
+        const ooc::Reservation bytes =
+            context.budget().reserve("walls of two parts", kBytesPerFace * faces.size());
+        const std::vector<bool> is_kept = kept_walls(faces, distance);
+        for (std::size_t f = 0; f < faces.size(); ++f) {
+            if (is_kept[f]) keep(faces[f].cells);
+        }
+        context.check_stop();
+    }
+}
+
+/// Faces whose corners stay keep their order; the others find their new blocks by sorting, bar
+/// walls that face each other.
 void copy_faces(ooc::Context& context, CellBlocks& from, const CellMerger& merger,
-                const KeptCells& kept, CellBlocks& to) {
+                const KeptCells& kept, const PartsOfSets& sets,
+                const ooc::Spool<std::uint32_t>& names, double distance, CellBlocks& to) {
     struct Moved {
         std::uint32_t middle;
         CellTriple face;
@@ -366,6 +478,24 @@ void copy_faces(ooc::Context& context, CellBlocks& from, const CellMerger& merge
     ooc::ExternalSorter<Moved, decltype(is_before)> sorter(context, "faces of merged cells",
                                                            is_before, context.sort_bytes());
     ooc::Spool<CellTriple> others(context, "faces of other cells");
+    ooc::ExternalSorter<FacingFace, decltype(&is_before_facing)> facing(
+        context, "walls that face each other", &is_before_facing, context.sort_bytes());
+    ooc::SpoolCache<std::uint32_t> part_of(names);
+    const auto add_moved = [&](const CellTriple& face, CellTriple mapped) {
+        std::array<const PartsOfSets::Set*, 3> merged{};
+        for (std::size_t k = 0; k < 3; ++k) merged[k] = sets.find(merger.target(face[k]));
+        if (merged[0] != nullptr && merged[1] != nullptr && merged[2] != nullptr) {
+            const std::uint32_t own = part_of.at(face[0]);
+            const std::uint32_t other = sets.common_part(merged, own);
+            if (other != kNoPart) {
+                facing.add({std::min(own, other),
+                            std::max(own, other),
+                            {mapped, {merged[0]->mean, merged[1]->mean, merged[2]->mean}}});
+                return;
+            }
+        }
+        sorter.add({cluster::median_corner(mapped), mapped});
+    };
     ooc::SpoolReader<CellTriple> faces(from.faces);
     while (const CellTriple* face = faces.next()) {
         CellTriple mapped;
@@ -375,8 +505,8 @@ void copy_faces(ooc::Context& context, CellBlocks& from, const CellMerger& merge
             is_moved |= merger.target((*face)[k]) != (*face)[k];
         }
         if (mapped[0] == mapped[1] || mapped[1] == mapped[2] || mapped[0] == mapped[2]) continue;
-        if (is_moved) {
-            sorter.add({cluster::median_corner(mapped), mapped});
+        if (is_moved || sets.find((*face)[0]) != nullptr) {
+            add_moved(*face, mapped);
         } else {
             others.push(mapped);
         }
@@ -385,6 +515,9 @@ void copy_faces(ooc::Context& context, CellBlocks& from, const CellMerger& merge
         from.faces.discard_before(faces.position());
         context.check_stop();
     }
+    settle_walls(context, facing.finish(), distance, [&](const CellTriple& cells) {
+        sorter.add({cluster::median_corner(cells), cells});
+    });
     const ooc::Spool<Moved> moved = sorter.finish();
     ooc::SpoolReader<CellTriple> still(others);
     ooc::SpoolReader<Moved> sorted(moved);
@@ -437,25 +570,29 @@ CellBlocks aggregate_parts(ooc::Context& context, CellBlocks cells, const Simpli
     const double cell_size = cells.grid.cell_size(cells.lattice);
     const double distance = target_error(*options.aggregate, report.input.bounds) / cell_size;
     ooc::Spool<Member> members;
+    ooc::Spool<std::uint32_t> names;
     CellMerger merger(context, cells);
     {
         CellParts parts(context, cells);
         ooc::DisjointSets sets(context.budget(), "cells that are merged", cells.n_cells());
         ooc::DisjointSets joined(context.budget(), "parts that are joined", parts.n_pieces());
         ooc::Spool<Contact> contacts(context, "close cells of different parts");
-        Contacts(context, cells, parts, distance)
-            .for_each([&](const Contact& c, std::uint32_t part, std::uint32_t other_part) {
-                contacts.push(c);
-                sets.join(c.cell, c.other);
-                joined.join(part, other_part);
-            });
+        Contacts finder(context, cells, parts, distance);
+        finder.for_each([&](const Contact& c, std::uint32_t other_part) {
+            contacts.push(c);
+            sets.join(c.cell, c.other);
+            joined.join(c.part, other_part);
+        });
+        names = finder.take_names();
         told.parts = count_parts(context, cells, parts, joined, told.joined_parts);
         if (contacts.empty()) return cells;
         ooc::ExternalSorter<Member, decltype(&is_before)> sorter(context, "merged cells",
                                                                  &is_before, context.sort_bytes());
         ooc::SpoolReader<Contact> reader(contacts);
+        std::uint32_t last = kNoPart;
         while (const Contact* c = reader.next()) {
-            sorter.add({static_cast<std::uint32_t>(sets.find(c->cell)), c->cell, c->mean});
+            if (c->cell == std::exchange(last, c->cell)) continue;
+            sorter.add({static_cast<std::uint32_t>(sets.find(c->cell)), c->cell, c->part, c->mean});
         }
         members = sorter.finish();
     }
@@ -496,7 +633,8 @@ CellBlocks aggregate_parts(ooc::Context& context, CellBlocks cells, const Simpli
             },
             most_cells, result);
     }
-    copy_faces(context, cells, merger, kept, result);
+    copy_faces(context, cells, merger, kept, PartsOfSets(context, members, merger), names, distance,
+               result);
     return result;
 }
 

@@ -58,37 +58,37 @@ struct NearestSides {
     }
 };
 
-/// The centres of faces, by the cells of a grid.
-class CentreGrid {
+/// Points by the cells of a grid.
+class PointGrid {
   public:
-    CentreGrid(const std::vector<Placed>& faces, double edge) : edge_(edge) {
+    PointGrid(const std::vector<Vec3>& points, double edge) : edge_(edge) {
         FloatBox box;
-        for (const Placed& f : faces) box.extend(f.centre);
+        for (const Vec3& p : points) box.extend(p);
         for (std::size_t k = 0; k < 3; ++k) {
             low_[k] = static_cast<double>(box.low[k]);
             const double length = static_cast<double>(box.high[k]) - low_[k];
-            // Long regions of few faces must not have more cells than faces.
+            // Wide regions of few points must not have many more cells than points.
             n_[k] = static_cast<std::uint64_t>(std::clamp(length / edge, 0.0, kMostCells)) + 1;
         }
-        while (n_[0] * n_[1] * n_[2] > kCellsPerFace * faces.size() + 1) {
+        while (n_[0] * n_[1] * n_[2] > kCellsPerPoint * points.size() + 8) {
             edge_ *= 2;
             for (std::uint64_t& n : n_) n = n / 2 + 1;
-            if (n_[0] + n_[1] + n_[2] <= 6) break;
         }
         start_.resize(n_[0] * n_[1] * n_[2] + 1);
-        std::vector<std::uint32_t> cell(faces.size());
-        for (std::size_t f = 0; f < faces.size(); ++f) {
+        std::vector<std::uint32_t> cell(points.size());
+        for (std::size_t i = 0; i < points.size(); ++i) {
             std::array<std::uint64_t, 3> at;
-            for (std::size_t k = 0; k < 3; ++k) at[k] = place(faces[f].centre[k], k);
-            cell[f] = static_cast<std::uint32_t>(index(at));
-            ++start_[cell[f] + 1];
+            for (std::size_t k = 0; k < 3; ++k) at[k] = place(points[i][k], k);
+            cell[i] = static_cast<std::uint32_t>(index(at));
+            ++start_[cell[i] + 1];
         }
         for (std::size_t i = 1; i < start_.size(); ++i) start_[i] += start_[i - 1];
         std::vector<std::uint32_t> next(start_.begin(), start_.end() - 1);
-        faces_.resize(faces.size());
-        for (std::uint32_t f = 0; f < faces.size(); ++f) faces_[next[cell[f]]++] = f;
+        points_.resize(points.size());
+        for (std::uint32_t i = 0; i < points.size(); ++i) points_[next[cell[i]]++] = i;
     }
 
+    /// visit(i) for all points within `reach` of p, and some more.
     template <typename Visit>
     void for_each_near(const Vec3& p, double reach, const Visit& visit) const {
         std::array<std::uint64_t, 3> low;
@@ -101,19 +101,18 @@ class CentreGrid {
             for (std::uint64_t y = low[1]; y <= high[1]; ++y) {
                 const std::uint32_t begin = start_[index({x, y, low[2]})];
                 const std::uint32_t end = start_[index({x, y, high[2]}) + 1];
-                for (std::uint32_t i = begin; i < end; ++i) visit(faces_[i]);
+                for (std::uint32_t i = begin; i < end; ++i) visit(points_[i]);
             }
         }
     }
 
   private:
     static constexpr double kMostCells = 1 << 20;
-    static constexpr std::uint64_t kCellsPerFace = 4;
+    static constexpr std::uint64_t kCellsPerPoint = 4;
 
     [[nodiscard]] std::uint64_t place(double x, std::size_t axis) const {
         const double at = (x - low_[axis]) / edge_;
-        return at > 0 ? std::min(static_cast<std::uint64_t>(std::min(at, kMostCells)),
-                                 n_[axis] - 1)
+        return at > 0 ? std::min(static_cast<std::uint64_t>(std::min(at, kMostCells)), n_[axis] - 1)
                       : 0;
     }
     [[nodiscard]] std::uint64_t index(const std::array<std::uint64_t, 3>& at) const {
@@ -124,7 +123,7 @@ class CentreGrid {
     std::array<double, 3> low_{};
     std::array<std::uint64_t, 3> n_{};
     std::vector<std::uint32_t> start_;
-    std::vector<std::uint32_t> faces_;
+    std::vector<std::uint32_t> points_;
 };
 
 using Move = std::pair<std::uint64_t, Vec3>;  // rank of a vertex and its new place
@@ -193,20 +192,21 @@ class Region {
     [[nodiscard]] Placed place_of(std::uint32_t f) const { return place(corners_of(f)); }
 
     void find_folded() {
-        const CentreGrid grid(placed_, reach_ / 2);
+        std::vector<Vec3> centres;
+        centres.reserve(placed_.size());
+        for (const Placed& face : placed_) centres.push_back(face.centre);
+        const PointGrid grid(centres, reach_ / 2);
         std::vector<NearestSides> sides(placed_.size());
-        samples_.for_each(
-            box_, reach_, piece_.centre, [&](std::span<const WeightedPoint> points) {
-                for (const WeightedPoint& point : points) {
-                    grid.for_each_near(as_vec3(point.position), reach_, [&](std::uint32_t f) {
-                        sides[f].add(placed_[f], point);
-                    });
-                }
-            });
+        samples_.for_each(box_, reach_, piece_.centre, [&](std::span<const WeightedPoint> points) {
+            for (const WeightedPoint& point : points) {
+                grid.for_each_near(as_vec3(point.position), reach_,
+                                   [&](std::uint32_t f) { sides[f].add(placed_[f], point); });
+            }
+        });
         is_folded_.resize(placed_.size());
         for (std::uint32_t f = 0; f < placed_.size(); ++f) {
-            is_folded_[f] =
-                dot(placed_[f].normal, placed_[f].normal) > 0 && sides[f].is_folded(reach_, spacing_);
+            is_folded_[f] = dot(placed_[f].normal, placed_[f].normal) > 0 &&
+                            sides[f].is_folded(reach_, spacing_);
             if (is_folded_[f]) folded_.push_back(f);
         }
     }
@@ -223,8 +223,8 @@ class Region {
         can_move_.assign(piece_.n_own, true);
         for (std::uint32_t f = 0; f < piece_.faces.size(); ++f) {
             const LocalFace& t = piece_.faces[f];
-            const bool is_inside = std::all_of(
-                t.begin(), t.end(), [&](std::uint32_t v) { return v < piece_.n_own; });
+            const bool is_inside =
+                std::all_of(t.begin(), t.end(), [&](std::uint32_t v) { return v < piece_.n_own; });
             for (const std::uint32_t v : t) {
                 faces_[next[v]++] = f;
                 if (!is_inside && v < piece_.n_own) can_move_[v] = false;
@@ -243,6 +243,38 @@ class Region {
         return std::span(faces_).subspan(start_[v], start_[v + 1] - start_[v]);
     }
 
+    /// Cells as long as the reach, by which samples are told to be near.
+    [[nodiscard]] std::int64_t cell_of(double x) const {
+        return static_cast<std::int64_t>(std::floor(x / reach_));
+    }
+    static std::uint64_t cell_code(const std::array<std::int64_t, 3>& cell) {
+        constexpr unsigned kBits = 21;
+        std::uint64_t code = 0;
+        for (const std::int64_t c : cell) {
+            code = code << kBits | (static_cast<std::uint64_t>(c) & ((1U << kBits) - 1));
+        }
+        return code;
+    }
+    void add_cells(const FloatBox& box, std::vector<std::uint64_t>& cells) const {
+        std::array<std::int64_t, 3> low;
+        std::array<std::int64_t, 3> high;
+        for (std::size_t k = 0; k < 3; ++k) {
+            low[k] = cell_of(static_cast<double>(box.low[k]) - reach_);
+            high[k] = cell_of(static_cast<double>(box.high[k]) + reach_);
+            // A face that is longer than that is looked at around its middle.
+            constexpr std::int64_t kMostCells = 16;
+            const std::int64_t cut = std::max<std::int64_t>(0, (high[k] - low[k] - kMostCells) / 2);
+            low[k] += cut;
+            high[k] -= cut;
+        }
+        for (std::int64_t x = low[0]; x <= high[0]; ++x) {
+            for (std::int64_t y = low[1]; y <= high[1]; ++y) {
+                for (std::int64_t z = low[2]; z <= high[2]; ++z)
+                    cells.push_back(cell_code({x, y, z}));
+            }
+        }
+    }
+
     /// The samples around the corners of folded faces: all that a move can need.
     void gather_samples() {
         std::vector<std::uint32_t> near;
@@ -255,32 +287,38 @@ class Region {
         std::sort(near.begin(), near.end());
         near.erase(std::unique(near.begin(), near.end()), near.end());
         FloatBox all;
-        std::vector<FloatBox> boxes;
+        std::vector<std::uint64_t> cells;
         for (const std::uint32_t f : near) {
-            FloatBox& box = boxes.emplace_back();
+            FloatBox box;
             for (const Vec3& p : corners_of(f)) box.extend(p);
             all.extend(box);
+            add_cells(box, cells);
         }
+        std::sort(cells.begin(), cells.end());
+        cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
         FloatBox in_mesh;
         in_mesh.extend(piece_.centre + Vec3{all.low[0], all.low[1], all.low[2]});
         in_mesh.extend(piece_.centre + Vec3{all.high[0], all.high[1], all.high[2]});
         samples_.for_each(in_mesh, reach_, piece_.centre,
                           [&](std::span<const WeightedPoint> points) {
                               for (const WeightedPoint& point : points) {
-                                  FloatBox at;
-                                  at.extend(as_vec3(point.position));
-                                  if (std::any_of(boxes.begin(), boxes.end(), [&](const auto& box) {
-                                          return box.meets(at, reach_);
-                                      })) {
+                                  const Vec3 p = as_vec3(point.position);
+                                  const std::uint64_t cell =
+                                      cell_code({cell_of(p[0]), cell_of(p[1]), cell_of(p[2])});
+                                  if (std::binary_search(cells.begin(), cells.end(), cell))
                                       near_.push_back(point);
-                                  }
                               }
                           });
+        std::vector<Vec3> places;
+        places.reserve(near_.size());
+        for (const WeightedPoint& point : near_) places.push_back(as_vec3(point.position));
+        near_grid_.emplace(places, reach_ / 2);
     }
 
     [[nodiscard]] bool judge(const Placed& face) const {
         NearestSides sides;
-        for (const WeightedPoint& point : near_) sides.add(face, point);
+        near_grid_->for_each_near(face.centre, reach_,
+                                  [&](std::uint32_t i) { sides.add(face, near_[i]); });
         return sides.is_folded(reach_, spacing_);
     }
 
@@ -333,6 +371,7 @@ class Region {
     std::vector<std::uint32_t> faces_;
     std::vector<bool> can_move_;
     std::vector<WeightedPoint> near_;
+    std::optional<PointGrid> near_grid_;  // of these
 };
 
 void move_vertices(ooc::Context& context, MeshStore& mesh, std::span<const Move> moves) {

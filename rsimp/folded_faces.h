@@ -29,8 +29,8 @@ namespace hewer::rsimp {
 /// and neither threads nor memory show.
 ///
 /// `boxes` and `first_cluster` as for fit(). Two passes over the faces (three where vertices move),
-/// one over the samples, a second over those near folded faces. Memory: MeshRegions, SampleRuns, and
-/// for each region in work 40 bytes a face more.
+/// one over the samples, a second over those near folded faces. Memory: MeshRegions, SampleRuns,
+/// and for each region in work 40 bytes a face more.
 FoldedFaces unfold_faces(ooc::Context& context, MeshStore& mesh,
                          const ooc::Spool<FitSample>& samples,
                          std::span<const cluster::OctreeBox> boxes,

@@ -11,6 +11,8 @@ namespace {
 constexpr std::size_t kFirstAsked = 8;
 constexpr std::size_t kMoreAsked = 4;
 constexpr int kLeafPoints = 16;
+// Of further parts: so many times the distance of the nearest.
+constexpr double kFarther = 2;
 
 }  // namespace
 
@@ -50,18 +52,25 @@ ForeignNeighbours::ForeignNeighbours(const std::vector<Vec3>& points,
 
 ForeignNeighbours::~ForeignNeighbours() = default;
 
-ForeignNeighbours::Neighbour ForeignNeighbours::nearest(std::uint32_t point, double reach) {
-    const double most = reach * reach;
+void ForeignNeighbours::nearest(std::uint32_t point, double reach,
+                                std::vector<std::uint32_t>& neighbours) {
     for (std::size_t n = kFirstAsked;; n *= kMoreAsked) {
         n = std::min(n, points_.size());
         tree_->search(points_[point], n, found_, distances_);
+        neighbours.clear();
+        double most = reach * reach;
         for (std::size_t i = 0; i < n; ++i) {
-            if (distances_[i] > most) return {};
-            if (parts_[found_[i]] != parts_[point]) {
-                return {static_cast<std::uint32_t>(found_[i]), distances_[i]};
+            if (distances_[i] > most) return;
+            const auto other = static_cast<std::uint32_t>(found_[i]);
+            const auto is_same_part = [&](std::uint32_t p) { return parts_[p] == parts_[other]; };
+            if (is_same_part(point) ||
+                std::any_of(neighbours.begin(), neighbours.end(), is_same_part)) {
+                continue;
             }
+            if (neighbours.empty()) most = std::min(most, kFarther * kFarther * distances_[i]);
+            neighbours.push_back(other);
         }
-        if (n == points_.size()) return {};
+        if (n == points_.size()) return;
     }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The nearest point of another part, for points in memory.
+/// The nearest points of other parts, for points in memory.
 #pragma once
 
 #include <cstdint>
@@ -11,25 +11,21 @@
 namespace hewer::rsimp {
 
 /// FLANN's exact tree (KDTreeSingleIndex, Muja & Lowe 2009) over points of several parts. A search
-/// asks for a few neighbours and for four times as many until one is of another part or they are all
-/// too far. In double precision; equal input gives equal answers, of two equally far points the one
-/// that came first among those that the tree returned. Memory: kBytesPerPoint for each.
+/// asks for a few neighbours and for four times as many until they are too far. In double
+/// precision; equal input gives equal answers, of two equally far points the one that came first
+/// among those that the tree returned. Memory: kBytesPerPoint for each.
 class ForeignNeighbours {
   public:
     static constexpr std::uint64_t kBytesPerPoint = 96;
-    static constexpr std::uint32_t kNone = 0xffffffffU;
-
-    struct Neighbour {
-        std::uint32_t point = kNone;
-        double squared_distance = 0;
-    };
 
     /// `parts` of the points, in their order.
     ForeignNeighbours(const std::vector<Vec3>& points, const std::vector<std::uint32_t>& parts);
     ~ForeignNeighbours();
 
-    /// The nearest point of another part than that of `point`, if it is within `reach`.
-    [[nodiscard]] Neighbour nearest(std::uint32_t point, double reach);
+    /// The nearest point of another part than that of `point`, if it is within `reach`, and of each
+    /// further part the nearest that is no more than twice as far and within `reach`: where several
+    /// parts meet, all of them.
+    void nearest(std::uint32_t point, double reach, std::vector<std::uint32_t>& neighbours);
 
   private:
     class Tree;

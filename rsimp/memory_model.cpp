@@ -133,11 +133,12 @@ std::uint64_t least_limit(const SimplifyOptions& options, const SourceInfo& info
     if (options.aggregate) {
         counts.joins_parts = true;
         const std::uint64_t most = info.is_indexed ? info.n_vertices : info.n_faces;
-        counts.cells = options.method == Method::Full
-                           ? most
-                           : std::min(most, static_cast<std::uint64_t>(std::max(
-                                                kFewestCells, kCellsPerVertex * static_cast<double>(
-                                                                                    counts.lod_vertices))));
+        counts.cells =
+            options.method == Method::Full
+                ? most
+                : std::min(most, static_cast<std::uint64_t>(std::max(
+                                     kFewestCells,
+                                     kCellsPerVertex * static_cast<double>(counts.lod_vertices))));
     }
     if (options.topology == Topology::Keep) {
         // Every vertex is a cluster, and the mesh of all of them is counted.

@@ -8,9 +8,9 @@
 
 namespace hewer::rsimp {
 
-/// What LodOutput counts while it writes, of a mesh that is not written: one pass over the vertices,
-/// one over the faces. Memory: IdIndex, TopologyCounter, a window of faces (6 MiB) for each thread
-/// and one more.
+/// What LodOutput counts while it writes, of a mesh that is not written: one pass over the
+/// vertices, one over the faces. Memory: IdIndex, TopologyCounter, a window of faces (6 MiB) for
+/// each thread and one more.
 TopologyReport count_topology(ooc::Context& context, const MeshStore& mesh);
 
 }  // namespace hewer::rsimp

@@ -31,10 +31,12 @@ using namespace rsimp;
 
 // Expected shares of the time, for progress.
 std::vector<ooc::StageWeight> stage_weights(const SimplifyOptions& options) {
-    std::vector<ooc::StageWeight> weights{
-        {"bounds", 1},   {"vertices", 2}, {"sample", 2},  {"cluster", 8}, {"refine", 8},
-        {"feedback", 8}, {"mesh", 2},     {"finish", 12}, {"fit", 12},    {"unfold", 2}, {"write", 2}};
-    if (options.topology_report || options.topology == Topology::Keep) weights.push_back({"topology", 30});
+    std::vector<ooc::StageWeight> weights{{"bounds", 1},  {"vertices", 2}, {"sample", 2},
+                                          {"cluster", 8}, {"refine", 8},   {"feedback", 8},
+                                          {"mesh", 2},    {"finish", 12},  {"fit", 12},
+                                          {"unfold", 2},  {"write", 2}};
+    if (options.topology_report || options.topology == Topology::Keep)
+        weights.push_back({"topology", 30});
     return weights;
 }
 
@@ -86,13 +88,14 @@ void compare_to_input(ooc::Context& context, const SourceInfo& info, const Topol
 [[noreturn]] void refuse(const SourceInfo& info, const std::vector<Target>& targets, std::size_t i,
                          const MeshStore& mesh) {
     const std::uint64_t n = mesh.faces.size();
-    throw TopologyLimit(info.name + ": its topology cannot be kept with so few triangles" +
-                            (targets.size() > 1 ? " as level " + std::to_string(i) + " asks for" : "") +
-                            "; it needs at least " + std::to_string(n) + " triangles (" +
-                            std::to_string(mesh.vertices.size()) +
-                            " vertices); ask for as many, or let small parts and handles go "
-                            "with --topology simplify",
-                        n);
+    throw TopologyLimit(
+        info.name + ": its topology cannot be kept with so few triangles" +
+            (targets.size() > 1 ? " as level " + std::to_string(i) + " asks for" : "") +
+            "; it needs at least " + std::to_string(n) + " triangles (" +
+            std::to_string(mesh.vertices.size()) +
+            " vertices); ask for as many, or let small parts and handles go "
+            "with --topology simplify",
+        n);
 }
 
 std::string hex(std::uint64_t value) {

@@ -182,11 +182,11 @@ StartMesh make_start_mesh(ooc::Context& context, MeshSource& source, const Simpl
                                  : target_error(options.targets.front(), report.input.bounds);
         if (error > 0) {
             const bool is_kept = options.topology == Topology::Keep;
-            Attempt attempt =
-                is_kept ? begin(context, cells, cells_as_clusters(context, cells))
-                        : refine_to_error(context, cells, error, stages);
+            Attempt attempt = is_kept ? begin(context, cells, cells_as_clusters(context, cells))
+                                      : refine_to_error(context, cells, error, stages);
             if (!is_kept && !is_finest && attempt.start.finish.lost_cells > 0) continue;
-            attempt.start.samples = collect_samples(context, cells, samples_for(cells, options, report));
+            attempt.start.samples =
+                collect_samples(context, cells, samples_for(cells, options, report));
             return std::move(attempt.start);
         }
         const bool is_uniform = options.method == Method::Uniform;

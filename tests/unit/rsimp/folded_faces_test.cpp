@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ooc/vec3.h"
+#include "rsimp/block_mesh.h"
 #include "tests/support/shapes.h"
 #include "tests/unit/rsimp/stored_mesh.h"
 
