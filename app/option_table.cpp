@@ -119,6 +119,13 @@ OptionSpec{"fit", "--fit", "N", T::CountOrOff, kTargets, "rounds, or off", "=2, 
     "Move the vertices of the result, as a whole, towards the original surface."},
 OptionSpec{"certify", "--certify", "", T::Flag, kSimplify, "", "", 0, 0, "", kMethod, false,
     "Measure the distance of each result from the input, both ways, for the summary and the report."},
+OptionSpec{"topology", "--topology", "KIND", T::Choice, kTargets, "", "simplify", 0, 0, "simplify|keep", kMethod, false,
+    "keep: the result has the components, handles and border loops of the input, or there is none and the "
+    "error names the least that is possible; takes every vertex (--method full). simplify: small "
+    "parts and handles may go where the budget needs it, but no surface is opened."},
+OptionSpec{"aggregate", "--aggregate", "DIST", T::Error, kTargets, "model units, or % of the diagonal", "", 0, 0, "", kMethod, false,
+    "Join connected parts that are nearer to each other than DIST, so that many small parts become "
+    "fewer large ones instead of vanishing. Parts are not joined otherwise."},
 OptionSpec{"drop_parts", "--drop-parts", "SIZE", T::Error, kSimplify, "model units, or % of the diagonal", "", 0, 0, "", kMethod, false,
     "Remove connected parts whose box has a diagonal below SIZE, to within a cell of the grid, before "
     "triangles are spent on them; the report lists them."},

@@ -182,6 +182,23 @@ Json to_value(const LostPlaces& r) {
     return {{"places", r.places}, {"cells", r.cells}, {"list", list}};
 }
 
+Json to_value(const FoldedFace& f) {
+    return {{"center", to_value(f.center)}, {"size", f.size}};
+}
+
+Json to_value(const FoldedFaces& r) {
+    Json list = Json::array();
+    for (const FoldedFace& face : r.list) list.push_back(to_value(face));
+    return {{"faces", r.faces}, {"unfolded", r.unfolded}, {"list", list}};
+}
+
+Json to_value(const AggregateReport& r) {
+    return {{"parts", r.parts},
+            {"joined_parts", r.joined_parts},
+            {"merged_cells", r.merged_cells},
+            {"distance", r.distance}};
+}
+
 Json to_value(const DistanceBin& b) {
     return {{"from", b.from}, {"to", b.to}, {"n", b.n}};
 }
@@ -240,6 +257,7 @@ Json to_value(const LodReport& r) {
             {"lost_cells", r.lost_cells},
             {"lost", to_value(r.lost)},
             {"fit", to_value(r.fit)},
+            {"folded", r.folded ? to_value(*r.folded) : Json()},
             {"topology", to_value(r.topology)},
             {"measured", r.measured ? to_value(*r.measured) : Json()},
             {"is_nested", r.is_nested},
@@ -308,6 +326,8 @@ std::string to_json(const SimplifyReport& r, const Arguments& arguments) {
                  {"method", name_of(r.options.method)},
                  {"input", to_value(r.input)},
                  {"grid", to_value(r.grid)},
+                 {"kept_topology", r.kept_topology ? to_value(*r.kept_topology) : Json()},
+                 {"aggregate", r.aggregate ? to_value(*r.aggregate) : Json()},
                  {"dropped", to_value(r.dropped)},
                  {"refined_clusters", r.refined_clusters},
                  {"feedback", to_value(r.feedback)},

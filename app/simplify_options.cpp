@@ -96,6 +96,18 @@ SimplifyOptions make_simplify_options(const Arguments& arguments) {
     }
     if (is_copy) refuse_beside_copy(arguments, target);
     if (!target.empty()) options.targets = make_targets(arguments, target);
+    if (arguments.get<std::string>("topology") == "keep") {
+        for (const std::string_view key : {"cell", "drop_parts", "aggregate", "priority"}) {
+            if (key == "drop_parts" && arguments.command() == Command::Plan) continue;
+            if (!arguments.is_given(key)) continue;
+            throw InvalidArgument(
+                "--topology keep and --" + std::string(key) + " contradict each other: " +
+                (key == "drop_parts" || key == "aggregate" ? "every part is to stay as it is"
+                                                           : "keep takes every vertex as it is"));
+        }
+        options.topology = Topology::Keep;
+    }
+    if (arguments.is_given("aggregate")) options.aggregate = arguments.get<Target>("aggregate");
     if (arguments.get<std::string>("priority") == "normal") {
         options.priority = SplitPriority::NormalVariation;
     }

@@ -49,13 +49,13 @@ std::optional<std::uint64_t> BudgetSearch::next() const {
     }
     const auto bad = std::prev(good);
     const double ratio = static_cast<double>(good->first) / static_cast<double>(bad->first);
-    if (ratio <= kNarrow || good->first - bad->first < 2) return {};
+    if (ratio <= kNarrow || good->first - bad->first < 2 || good->first <= least_) return {};
     const double fall = std::log(bad->second / std::max(good->second, 1e-3 * bound_));
     const double place =
         std::clamp(std::log(bad->second / bound_) / std::max(fall, 1e-9), kMargin, 1 - kMargin);
     const auto between =
         static_cast<std::uint64_t>(static_cast<double>(bad->first) * std::pow(ratio, place));
-    return std::clamp(between, bad->first + 1, good->first - 1);
+    return std::clamp(between, std::max(least_, bad->first + 1), good->first - 1);
 }
 
 }  // namespace hewer::fidelity

@@ -2,6 +2,7 @@
 /// The smallest budget whose result is good enough, found by trying.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -21,6 +22,11 @@ class BudgetSearch {
 
     /// Distances up to this are good. Before the second next().
     void set_bound(double bound) { bound_ = bound; }
+    /// No budget below this can be met. Before any budget has been added that is below.
+    void raise_least(std::uint64_t least) {
+        least_ = std::clamp(least, least_, most_);
+        first_ = std::max(first_, least_);
+    }
     /// What to try; nothing if the search is over.
     [[nodiscard]] std::optional<std::uint64_t> next() const;
     void add(std::uint64_t budget, double distance) { tries_[budget] = distance; }

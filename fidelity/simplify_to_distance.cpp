@@ -10,6 +10,7 @@
 #include "hewer/error.h"
 #include "hewer/measure.h"
 #include "hewer/simplify.h"
+#include "hewer/topology_limit.h"
 #include "ooc/memory_budget.h"
 
 namespace hewer {
@@ -93,8 +94,17 @@ class Search {
 
     /// The best try, with the search in its report.
     std::unique_ptr<Try> run() {
+        unsigned n_refused = 0;
         while (const auto budget = search_.next()) {
-            auto one = make(*budget);
+            std::unique_ptr<Try> one;
+            try {
+                one = make(*budget);
+            } catch (const TopologyLimit& limit) {
+                // The topology is to stay: what can be met begins higher up.
+                if (limit.least_triangles() > source_->info().n_faces || ++n_refused > 2) throw;
+                search_.raise_least(limit.least_triangles());
+                continue;
+            }
             const MeasureReport& measured = *one->report.lods.front().measured;
             if (bound_ == 0) set_bound(target_.value * measured.bounds.diagonal());
             search_.add(*budget, larger(measured));

@@ -3,18 +3,18 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <sstream>
 #include <vector>
 
-#include "cluster/block_cutter.h"
 #include "hewer/error.h"
 #include "ooc/array.h"
 #include "ooc/vec3.h"
+#include "rsimp/cell_mean.h"
 #include "rsimp/cell_neighbours.h"
 #include "rsimp/cell_parts.h"
+#include "rsimp/cell_selection.h"
 #include "rsimp/grid_choice.h"
 #include "rsimp/lost_parts.h"
 
@@ -48,52 +48,18 @@ ooc::Array<PartBox> find_boxes(ooc::Context& context, const CellBlocks& cells,
     ooc::SpoolReader<CellRecord> records(cells.cells);
     ooc::SpoolReader<std::uint32_t> pieces(parts.pieces());
     for (std::uint64_t i = 0; i < cells.n_cells(); ++i) {
-        const Vec3 center = cluster::center_of(*codes.next());
-        const CellRecord& record = *records.next();
+        const Vec3 mean = mean_of(*codes.next(), *records.next());
         const std::uint32_t piece = *pieces.next();
         if (!faced.has(i)) continue;
         PartBox& box = boxes[parts.part_of(piece)];
-        const auto beyond = record.mean_beyond();
         for (std::size_t k = 0; k < 3; ++k) {
-            const double x = center[k] + static_cast<double>(record.mean[k]) + beyond[k];
-            box.low[k] = box.n_cells == 0 ? x : std::min(box.low[k], x);
-            box.high[k] = box.n_cells == 0 ? x : std::max(box.high[k], x);
+            box.low[k] = box.n_cells == 0 ? mean[k] : std::min(box.low[k], mean[k]);
+            box.high[k] = box.n_cells == 0 ? mean[k] : std::max(box.high[k], mean[k]);
         }
         ++box.n_cells;
     }
     return boxes;
 }
-
-/// The cells that stay, and their new ids.
-class KeptCells {
-  public:
-    KeptCells(ooc::MemoryBudget& budget, std::uint64_t n_cells)
-        : bits_(budget, "cells that stay", n_cells / kWord + 1),
-          before_(budget, "cells that stay", n_cells / kWord + 1) {}
-    void keep(std::uint64_t cell) { bits_[cell / kWord] |= std::uint64_t{1} << (cell % kWord); }
-    /// After the last keep().
-    void number() {
-        std::uint32_t n = 0;
-        for (std::uint64_t w = 0; w < bits_.size(); ++w) {
-            before_[w] = n;
-            n += static_cast<std::uint32_t>(std::popcount(bits_[w]));
-        }
-    }
-    [[nodiscard]] bool has(std::uint64_t cell) const {
-        return (bits_[cell / kWord] >> (cell % kWord) & 1) != 0;
-    }
-    /// Precondition: it stays.
-    [[nodiscard]] std::uint32_t id(std::uint64_t cell) const {
-        const std::uint64_t below = (std::uint64_t{1} << (cell % kWord)) - 1;
-        return before_[cell / kWord] +
-               static_cast<std::uint32_t>(std::popcount(bits_[cell / kWord] & below));
-    }
-
-  private:
-    static constexpr std::uint64_t kWord = 64;
-    ooc::Array<std::uint64_t> bits_;
-    ooc::Array<std::uint32_t> before_;
-};
 
 /// A cell without a face goes if what is around it goes: a part grazed it.
 KeptCells choose_cells(ooc::Context& context, const CellBlocks& cells, const FacedCells& faced,
@@ -125,45 +91,6 @@ KeptCells choose_cells(ooc::Context& context, const CellBlocks& cells, const Fac
     }
     kept.number();
     return kept;
-}
-
-void copy_cells(ooc::Context& context, CellBlocks& from, const KeptCells& kept,
-                std::uint64_t most_cells, CellBlocks& to) {
-    cluster::BlockCutter cutter(to, most_cells);
-    ooc::SpoolReader<std::uint64_t> codes(from.codes);
-    ooc::SpoolReader<CellRecord> records(from.cells);
-    ooc::SpoolReader<cluster::CellAttributes> attributes(from.attributes);
-    constexpr std::uint64_t kPiece = 1 << 13;
-    std::vector<std::uint64_t> piece;
-    const std::uint64_t n = from.n_cells();
-    for (std::uint64_t i = 0; i < n; ++i) {
-        const std::uint64_t code = *codes.next();
-        const CellRecord& record = *records.next();
-        const cluster::CellAttributes* const a = attributes.next();
-        if (kept.has(i)) {
-            piece.push_back(code);
-            to.cells.push(record);
-            if (a != nullptr) to.attributes.push(*a);
-            if ((record.flags & CellRecord::kHasBorder) != 0) ++to.n_border_cells;
-        }
-        if (piece.size() < kPiece && i + 1 < n) continue;
-        cutter.add(piece);
-        piece.clear();
-        from.cells.discard_before(i + 1);
-        if (!from.attributes.empty()) from.attributes.discard_before(i + 1);
-        context.check_stop();
-    }
-    cutter.finish();
-}
-
-void copy_borders(const CellBlocks& from, const KeptCells& kept, CellBlocks& to) {
-    ooc::SpoolReader<cluster::BorderLine> lines(from.borders);
-    while (const cluster::BorderLine* line = lines.next()) {
-        if (!kept.has(line->cell)) continue;
-        cluster::BorderLine copy = *line;
-        copy.cell = kept.id(line->cell);
-        to.borders.push(copy);
-    }
 }
 
 /// With fewer cells the blocks are the same boxes or larger ones, and ids keep their order: so
@@ -219,7 +146,7 @@ CellBlocks drop_parts(ooc::Context& context, CellBlocks cells, const SimplifyOpt
     CellBlocks result =
         cluster::make_cell_blocks(context, cells.lattice, cells.grid, !cells.attributes.empty());
     result.is_consistently_wound = cells.is_consistently_wound;
-    copy_cells(context, cells, kept, most_cells, result);
+    copy_cells(context, cells, kept, {}, most_cells, result);
     copy_borders(cells, kept, result);
     copy_faces(context, cells, kept, result);
     return result;

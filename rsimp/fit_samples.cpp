@@ -10,6 +10,7 @@
 #include "cluster/cell_sums.h"
 #include "ooc/spool_cache.h"
 #include "rsimp/blocks_in_flight.h"
+#include "rsimp/cell_mean.h"
 
 namespace hewer::rsimp {
 
@@ -18,13 +19,6 @@ namespace {
 using cluster::CellBlocks;
 using cluster::CellRecord;
 using cluster::CellTriple;
-
-Vec3 mean_of(std::uint64_t code, const CellRecord& record) {
-    const auto beyond = record.mean_beyond();
-    Vec3 mean = cluster::center_of(code);
-    for (std::size_t k = 0; k < 3; ++k) mean[k] += static_cast<double>(record.mean[k]) + beyond[k];
-    return mean;
-}
 
 double sign_of(double x) {
     return x < 0 ? -1 : 1;

@@ -57,8 +57,9 @@ namespace {
 
 double wanted_cells(const SimplifyOptions& options, std::uint64_t n_input_faces) {
     const double vertices = target_vertices(options.targets.front(), n_input_faces);
-    return options.method == Method::Uniform ? kUniformCellsPerVertex * vertices
-                                             : std::max(kFewestCells, kCellsPerVertex * vertices);
+    return options.method == Method::Uniform
+               ? std::max(kFewestUniformCells, kUniformCellsPerVertex * vertices)
+               : std::max(kFewestCells, kCellsPerVertex * vertices);
 }
 
 bool is_whole(const std::vector<Target>& targets) {
@@ -74,6 +75,8 @@ const char* shaping_option(const SimplifyOptions& options) {
     if (options.priority != SplitPriority::Quadric) return "a priority";
     if (options.feedback_rounds.value_or(0) > 0) return "feedback";
     if (options.fit_rounds.value_or(0) > 0) return "a fit";
+    if (options.topology == Topology::Keep) return "a topology that is kept";
+    if (options.aggregate) return "joining parts";
     return nullptr;
 }
 
@@ -81,6 +84,7 @@ const char* shaping_option(const SimplifyOptions& options) {
 
 Method method_for(const SimplifyOptions& options, const SourceInfo& info) {
     if (options.method != Method::Auto) return options.method;
+    if (options.topology == Topology::Keep) return Method::Full;
     if (is_whole(options.targets) && shaping_option(options) == nullptr) return Method::Copy;
     if (options.cell_size || is_error(options.targets.front().kind)) return Method::Refine;
     // Of a soup: what a closed surface would have.
@@ -93,6 +97,8 @@ double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
                          double finer) {
     if (!(longest_side(bounds) > 0)) return 1;  // all vertices in one place
     if (options.cell_size) return resolution_of_cell(*options.cell_size, bounds, "--cell");
+    // Vertices that are nearer to each other than the finest grid tells count as one.
+    if (options.topology == Topology::Keep) return cluster::UniformGrid::kMaxResolution;
     if (options.method == Method::Full) {
         // Vertices that share a cell are moved by up to its size.
         const double separating = sample.separating_resolution();
@@ -142,16 +148,32 @@ void check_options(const SimplifyOptions& options) {
     if (options.method == Method::Full && options.cell_size) {
         throw InvalidArgument("the full method uses every vertex; a cell size contradicts it");
     }
+    if (options.topology == Topology::Keep) {
+        if (options.method == Method::Refine || options.method == Method::Uniform) {
+            throw InvalidArgument(
+                "topology keep contradicts the methods refine and uniform, which merge vertices "
+                "whatever they belong to; use the method full");
+        }
+        if (options.cell_size || options.drop_parts || options.aggregate) {
+            throw InvalidArgument(
+                "topology keep contradicts a cell size, dropping and joining parts: every vertex "
+                "and every part is to stay");
+        }
+    }
     if (options.cell_size && !(*options.cell_size > 0 && std::isfinite(*options.cell_size))) {
         throw InvalidArgument("the cell size must be positive");
     }
     if (!(options.border_weight >= 0 && std::isfinite(options.border_weight))) {
         throw InvalidArgument("the border weight must not be negative");
     }
-    if (options.drop_parts &&
-        !(is_error(options.drop_parts->kind) && options.drop_parts->value > 0 &&
-          std::isfinite(options.drop_parts->value))) {
+    const auto is_length = [](const Target& t) {
+        return is_error(t.kind) && t.value > 0 && std::isfinite(t.value);
+    };
+    if (options.drop_parts && !is_length(*options.drop_parts)) {
         throw InvalidArgument("the size of parts to drop must be a positive length");
+    }
+    if (options.aggregate && !is_length(*options.aggregate)) {
+        throw InvalidArgument("the distance of parts to join must be a positive length");
     }
     if (options.bounds && options.bounds->is_empty()) {
         throw InvalidArgument("the bounds are empty: each minimum must be at most its maximum");

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "rsimp/lod_chain.h"
 
+#include "rsimp/folded_faces.h"
+#include "rsimp/mesh_topology.h"
 #include "rsimp/topology_change.h"
 
 namespace hewer::rsimp {
@@ -20,6 +22,13 @@ LodChain::LodChain(ooc::Context& context, StartMesh start, bool with_merges)
       with_merges_(with_merges),
       report_(std::move(start_.finish)) {}
 
+TopologyReport LodChain::keep_topology() {
+    is_kept_ = true;
+    is_first_ = false;
+    mesh_ = start_.finisher->run({}, false, report_);
+    return count_topology(context_, mesh_);
+}
+
 LodChain::Result LodChain::next(const std::optional<CollapseTarget>& target) {
     Result result;
     report_.merges.clear();
@@ -36,6 +45,10 @@ LodChain::Result LodChain::next(const std::optional<CollapseTarget>& target) {
             const std::uint64_t before = report_.collapses;
             collapse();
             if (report_.collapses > before || is_met(mesh_, *target)) continue;
+            if (is_kept_) {
+                result.is_met = false;
+                break;
+            }
             const std::uint64_t n_faces = mesh_.faces.size();
             change_topology(*target, result);
             if (mesh_.faces.size() == n_faces) break;
@@ -54,6 +67,12 @@ FitReport LodChain::fit(unsigned rounds, double cell_size) {
     report.last_move *= cell_size;
     report.distance *= cell_size;
     return report;
+}
+
+FoldedFaces LodChain::unfold(bool may_move) {
+    return unfold_faces(context_, mesh_, start_.samples, start_.finisher->boxes(),
+                        start_.finisher->first_cluster(), may_move,
+                        {start_.to_model(mesh_.origin), start_.grid.cell_size(start_.lattice)});
 }
 
 void LodChain::change_topology(const CollapseTarget& target, Result& result) {

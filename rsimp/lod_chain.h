@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "hewer/report.h"
 #include "ooc/context.h"
 #include "rsimp/finish.h"
 #include "rsimp/fit.h"
@@ -17,17 +18,28 @@ class LodChain {
   public:
     LodChain(ooc::Context& context, StartMesh start, bool with_merges);
 
+    /// All topology is to stay from here on. Before the first next(): makes the mesh manifold,
+    /// nothing more, and counts what is to be kept.
+    TopologyReport keep_topology();
+
     struct Result {
+        /// False only where topology is kept: the mesh cannot get down to the target without.
+        bool is_met = true;
         bool is_nested = true;  ///< every vertex of the mesh before has one parent in this one
         std::uint64_t collapses = 0;
     };
     /// Makes the next mesh. Without a target everything is kept. A target that collapsing cannot
-    /// reach is reached by dropping components, and then regardless of handles.
+    /// reach is reached by dropping components, and then regardless of handles, unless topology is
+    /// to stay.
     Result next(const std::optional<CollapseTarget>& target);
 
     /// Moves the mesh towards the original. The next mesh begins from there. `cell_size` is the
     /// unit of the lengths in the report.
     FitReport fit(unsigned rounds, double cell_size);
+
+    /// Counts the faces that show the original their back, and turns them back if vertices may move
+    /// (rsimp/folded_faces.h).
+    FoldedFaces unfold(bool may_move);
 
     [[nodiscard]] const MeshStore& mesh() const { return mesh_; }
     /// Grid cells so far for which no vertex stands any more.
@@ -50,6 +62,7 @@ class LodChain {
     StartMesh start_;
     bool with_merges_;
     bool is_first_ = true;
+    bool is_kept_ = false;  // the topology
     FinishReport report_;
     MeshStore mesh_;
 };

@@ -32,6 +32,9 @@ using cluster::CellSums;
 // rough.
 constexpr double kFacesPerCell = 2.1;
 
+// Of a cell while close parts are joined: where it went, the set that it is in, its share of cubes.
+constexpr std::uint64_t kJoinBytes = 16;
+
 constexpr std::uint64_t kBuffers = 8 << 20;
 constexpr std::uint64_t kIndexBytes = 34;  // of the table of cells, for each
 constexpr std::uint64_t kOrderBytes = 16;  // of a cell's place among the others
@@ -70,9 +73,8 @@ std::uint64_t refine_bytes(const MemoryCounts& n) {
     return blocks_bytes(n) + n.cells * 6 + n.clusters * 10 + cluster_bytes(n);
 }
 
-/// What the fit sees of the original.
+/// What the fit, and who looks for folded faces, sees of the original.
 std::uint64_t sample_bytes(const MemoryCounts& n) {
-    if (!n.has_fit) return 0;
     const bool is_sparse =
         static_cast<double>(n.cells) < kFewCellsPerVertex * static_cast<double>(n.lod_vertices);
     return (is_sparse ? faces_of(n.cells) : n.cells) * sizeof(FitSample);
@@ -87,11 +89,11 @@ std::uint64_t finish_bytes(const MemoryCounts& n) {
     return std::max(begin, run);
 }
 
-/// An LOD, positions and moves of its vertices, and the vertices where they end.
+/// An LOD, positions and moves of its vertices, and the vertices where they end. Without a fit they
+/// have positions, and end, where folded faces are turned back.
 std::uint64_t fit_bytes(const MemoryCounts& n) {
-    if (!n.has_fit) return 0;
     return sample_bytes(n) + lod_bytes(n) +
-           n.lod_vertices * (3 * sizeof(Vec3) + sizeof(StoredVertex));
+           n.lod_vertices * ((n.has_fit ? 3 : 1) * sizeof(Vec3) + sizeof(StoredVertex));
 }
 
 bool has_resident_vertices(const MemoryCounts& n, std::uint64_t limit) {
@@ -121,7 +123,7 @@ std::uint64_t least_memory_bytes(const MemoryCounts& n) {
     const std::uint64_t blocks = (n.has_attributes ? 40ULL : 30ULL) << 20;
     const std::uint64_t per_thread = 4ULL << 20;
     return ooc::MemoryBudget::kFixedBytes + blocks + n.n_threads * per_thread + n.vertices / 12 +
-           n.lod_vertices * 5 + n.clusters / 4;
+           n.lod_vertices * 5 + n.clusters / 4 + (n.joins_parts ? n.cells * kJoinBytes : 0);
 }
 
 std::uint64_t least_limit(const SimplifyOptions& options, const SourceInfo& info) {
@@ -144,6 +146,22 @@ std::uint64_t least_limit(const SimplifyOptions& options, const SourceInfo& info
         counts.clusters =
             static_cast<std::uint64_t>(clusters_per_vertex(options.method) * vertices);
     }
+    if (options.aggregate) {
+        counts.joins_parts = true;
+        const std::uint64_t most = info.is_indexed ? info.n_vertices : info.n_faces;
+        counts.cells =
+            options.method == Method::Full
+                ? most
+                : std::min(most, static_cast<std::uint64_t>(std::max(
+                                     kFewestCells,
+                                     kCellsPerVertex * static_cast<double>(counts.lod_vertices))));
+    }
+    if (options.topology == Topology::Keep) {
+        // Every vertex is a cluster, and the mesh of all of them is counted.
+        counts.clusters = info.is_indexed ? info.n_vertices : info.n_faces;
+        counts.lod_vertices = counts.clusters;
+    }
+    constexpr std::uint64_t kMiB = 1 << 20;
     return (least_memory_bytes(counts) / kMiB + 1) * kMiB;
 }
 

@@ -21,6 +21,7 @@ struct MemoryCounts {
     bool has_attributes = false;
     bool has_fit = false;
     bool has_feedback = false;
+    bool joins_parts = false;  ///< --aggregate
 };
 
 /// Vertices stay in memory while the triangles are read if they take no more than this part of it;

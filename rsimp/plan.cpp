@@ -171,7 +171,8 @@ PlanReport plan(const InputPaths& input, const SimplifyOptions& asked) {
     report.cells = static_cast<std::uint64_t>(cells.cells_at(grid.resolution()) / share);
     report.surviving_triangles = std::min(info.n_faces, 2 * report.cells + report.cells / 8);
     const double wanted = rsimp::clusters_per_vertex(options.method) * vertices;
-    const bool is_refined = options.method != Method::Uniform && wanted > 0 &&
+    const bool is_kept = options.topology == Topology::Keep;
+    const bool is_refined = !is_kept && options.method != Method::Uniform && wanted > 0 &&
                             wanted * rsimp::kWorthRefining < static_cast<double>(report.cells);
     // The uniform method fuses its cells to about as many clusters as there are to be vertices.
     const bool is_fused = options.method == Method::Uniform && vertices > 0;
@@ -187,11 +188,12 @@ PlanReport plan(const InputPaths& input, const SimplifyOptions& asked) {
     counts.vertices = info.is_indexed ? info.n_vertices : 0;
     counts.cells = report.cells;
     counts.clusters = clusters;
-    counts.lod_vertices = out_triangles / 2;
+    counts.lod_vertices = is_kept ? report.cells : out_triangles / 2;
     counts.n_threads = ooc::thread_count(options.n_threads);
     counts.has_attributes =
         info.has_normals || info.has_colors || options.priority == SplitPriority::NormalVariation;
     counts.has_fit = rsimp::fit_rounds(options) > 0;
+    counts.joins_parts = options.aggregate.has_value();
     const unsigned n_feedback = rsimp::feedback_rounds(options);
     counts.has_feedback = n_feedback > 0;
     if (!is_in_order(*source)) counts.triangles_out_of_order = info.n_faces;

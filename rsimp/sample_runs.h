@@ -30,6 +30,9 @@ class SampleRuns {
     SampleRuns(ooc::Context& context, const ooc::Spool<FitSample>& samples, const Vec3& origin,
                std::uint64_t n_vertices);
 
+    /// Samples that count.
+    [[nodiscard]] std::uint64_t size() const { return (samples_.size() + stride_ - 1) / stride_; }
+
     /// Root of the area for each vertex, in cells: about their mean distance.
     [[nodiscard]] double spacing() const { return spacing_; }
 

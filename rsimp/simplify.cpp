@@ -11,6 +11,7 @@
 #include <optional>
 #include <utility>
 
+#include "hewer/topology_limit.h"
 #include "hewer/version.h"
 #include "ooc/context.h"
 #include "ooc/resource_usage.h"
@@ -31,11 +32,13 @@ using namespace rsimp;
 
 // Expected shares of the time, for progress.
 std::vector<ooc::StageWeight> stage_weights(const SimplifyOptions& options) {
-    std::vector<ooc::StageWeight> weights{{"bounds", 1},   {"vertices", 2}, {"sample", 2},
-                                          {"cluster", 8},  {"refine", 8},   {"triangles", 8},
-                                          {"feedback", 8}, {"mesh", 2},     {"finish", 12},
-                                          {"fit", 12},     {"write", 2}};
-    if (options.topology_report) weights.push_back({"topology", 30});
+    std::vector<ooc::StageWeight> weights{
+        {"bounds", 1},    {"vertices", 2}, {"sample", 2}, {"cluster", 8}, {"refine", 8},
+        {"triangles", 8}, {"feedback", 8}, {"mesh", 2},   {"finish", 12}, {"fit", 12},
+        {"unfold", 2},    {"write", 2}};
+    if (options.topology_report || options.topology == Topology::Keep) {
+        weights.push_back({"topology", 30});
+    }
     return weights;
 }
 
@@ -62,6 +65,39 @@ CollapseTarget collapse_target(const Target& target, const SimplifyReport& repor
             break;
     }
     return t;
+}
+
+bool is_same(const TopologyReport& a, const TopologyReport& b) {
+    return a.components == b.components && a.euler == b.euler && a.border_loops == b.border_loops;
+}
+
+std::string in_words(const TopologyReport& t) {
+    return std::to_string(t.components) + " components, " + std::to_string(t.border_loops) +
+           " border loops and an Euler characteristic of " + std::to_string(t.euler);
+}
+
+/// Vertices of equal positions are one vertex for the pipeline, and what is not manifold is taken
+/// apart before anything collapses: whoever counts the input by its indices should know.
+void compare_to_input(ooc::Context& context, const SourceInfo& info, const TopologyReport& input,
+                      const TopologyReport& kept) {
+    if (is_same(input, kept)) return;
+    context.warn(info.name + ": by its indices it has " + in_words(input) +
+                 "; with vertices of equal positions as one, and taken apart where it is not "
+                 "manifold, " +
+                 in_words(kept) + ": that is what is kept");
+}
+
+[[noreturn]] void refuse(const SourceInfo& info, const std::vector<Target>& targets, std::size_t i,
+                         const MeshStore& mesh) {
+    const std::uint64_t n = mesh.faces.size();
+    throw TopologyLimit(
+        info.name + ": its topology cannot be kept with so few triangles" +
+            (targets.size() > 1 ? " as level " + std::to_string(i) + " asks for" : "") +
+            "; it needs at least " + std::to_string(n) + " triangles (" +
+            std::to_string(mesh.vertices.size()) +
+            " vertices); ask for as many, or let small parts and handles go "
+            "with --topology simplify",
+        n);
 }
 
 std::string hex(std::uint64_t value) {
@@ -108,7 +144,7 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const Simp
     StageLog stages(context, [&] { return source.bytes_read(); });
 
     std::optional<TopologyReport> input_topology;
-    if (options.topology_report) {
+    if (options.topology_report || options.topology == Topology::Keep) {
         stages.begin("topology", source.info().n_faces, "faces");
         input_topology = streaming::count_topology(context, source);
         ++report.input.triangle_passes;
@@ -149,6 +185,11 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const Simp
                       info.has_alpha, info.has_double_positions},
                      static_cast<bool>(parents));
     LodChain chain(context, std::move(start_mesh), static_cast<bool>(parents));
+    if (options.topology == Topology::Keep) {
+        stages.begin("finish", 0, "collapses");
+        report.kept_topology = chain.keep_topology();
+        compare_to_input(context, source.info(), *input_topology, *report.kept_topology);
+    }
     std::vector<Target> targets = options.targets;
     const bool is_free = targets.empty();  // uniform with a given cell: everything goes out
     if (is_free) targets.push_back({Target::Kind::Ratio, 1});
@@ -167,6 +208,7 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const Simp
         stages.begin("finish", 0, "collapses");
         const LodChain::Result result = chain.next(target);
         lod.is_nested = result.is_nested;
+        if (!result.is_met) refuse(source.info(), targets, i, chain.mesh());
         report.collapses += result.collapses;
         if (chain.mesh().faces.empty()) {
             throw InvalidArgument(
@@ -177,9 +219,17 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const Simp
             stages.begin("fit", rounds * chain.mesh().vertices.size(), "vertices");
             lod.fit = chain.fit(rounds, report.grid.cell_size);
         }
+        if (options.method != Method::Uniform) {
+            stages.begin("unfold", 0, "faces");
+            lod.folded = chain.unfold(!(target && target->most_displacement));
+        }
         stages.begin("write", 0, "bytes");
         const std::unique_ptr<MeshSink> sink = sinks(i);
         output.write(chain.mesh(), *sink, lod);
+        if (report.kept_topology && !is_same(lod.topology, *report.kept_topology)) {
+            throw InternalError("the topology was to stay, and did not");
+        }
+        if (report.aggregate) lod.error_bound += report.aggregate->distance;
         lod.lost_cells = chain.lost_cells();
         lod.lost = chain.lost_places();
         finish_lod(*sink, lod, stages, report);

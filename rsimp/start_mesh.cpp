@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "ooc/vec3.h"
+#include "rsimp/aggregate_parts.h"
 #include "rsimp/block_fusion.h"
 #include "rsimp/block_refiner.h"
 #include "rsimp/cluster_mesh_builder.h"
@@ -89,7 +90,8 @@ Attempt refine_to_budget(ooc::Context& context, const CellBlocks& cells,
     stages.begin("refine", static_cast<std::uint64_t>(wanted), "clusters");
     std::unique_ptr<BlockRefiner> refiner;
     for (;;) {
-        const bool is_all = wanted * kWorthRefining >= n_cells;
+        const bool is_all =
+            options.topology == Topology::Keep || wanted * kWorthRefining >= n_cells;
         if (!is_all && !refiner) {
             refiner = std::make_unique<BlockRefiner>(context, cells, priority_of(options));
         }
@@ -147,6 +149,7 @@ SampleChoice samples_for(const CellBlocks& cells, const SimplifyOptions& options
                          const SimplifyReport& report) {
     const double vertices = budget(options, report) / 2;
     const double cell = cells.grid.cell_size(cells.lattice);
+    if (vertices == 0) return {false, std::numeric_limits<double>::infinity()};
     return {static_cast<double>(cells.n_cells()) < kFewCellsPerVertex * vertices,
             kLargestTriangle * report.input.area / (cell * cell) / vertices};
 }
@@ -174,14 +177,19 @@ StartMesh make_start_mesh(ooc::Context& context, MeshSource& source, const Simpl
         CellBlocks cells = drop_parts(
             context, cluster_input(context, source, options, finer, stages, report, is_finest),
             options, report);
+        cells = aggregate_parts(context, std::move(cells), options, report);
         is_finest |= is_given;
         const double error = options.targets.empty()
                                  ? 0
                                  : target_error(options.targets.front(), report.input.bounds);
         if (error > 0) {
-            Attempt attempt = refine_to_error(context, cells, error, stages);
-            if (is_finest || attempt.start.finish.lost_cells == 0) return std::move(attempt.start);
-            continue;
+            const bool is_kept = options.topology == Topology::Keep;
+            Attempt attempt = is_kept ? begin(context, cells, cells_as_clusters(context, cells))
+                                      : refine_to_error(context, cells, error, stages);
+            if (!is_kept && !is_finest && attempt.start.finish.lost_cells > 0) continue;
+            attempt.start.samples =
+                collect_samples(context, cells, samples_for(cells, options, report));
+            return std::move(attempt.start);
         }
         const bool is_uniform = options.method == Method::Uniform;
         Attempt attempt = is_uniform ? fuse_to_budget(context, cells, options, stages, report)
@@ -193,9 +201,11 @@ StartMesh make_start_mesh(ooc::Context& context, MeshSource& source, const Simpl
         const double enough =
             (is_uniform ? kUniformLeast : kEnoughTriangles) * budget(options, report);
         if (is_finest || attempt.n_triangles >= enough) {
-            if (fit_rounds(options) > 0) {
+            if (!is_uniform || fit_rounds(options) > 0) {
                 attempt.start.samples =
                     collect_samples(context, cells, samples_for(cells, options, report));
+            }
+            if (fit_rounds(options) > 0) {
                 attempt.start.borders = collect_border_samples(context, cells);
             }
             return std::move(attempt.start);

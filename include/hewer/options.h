@@ -30,6 +30,12 @@ enum class SplitPriority {
     NormalVariation,  ///< RSimp's own: area share times (1 - |mean normal|)
 };
 
+/// What becomes of components, handles and holes.
+enum class Topology {
+    Simplify,  ///< small ones may go, where the budget needs it; no surface is opened
+    Keep,      ///< all of them stay, or the run ends without a result
+};
+
 /// One level of detail that is asked for.
 struct Target {
     enum class Kind {
@@ -51,6 +57,11 @@ struct SimplifyOptions {
 
     Method method = Method::Auto;
     SplitPriority priority = SplitPriority::Quadric;
+
+    /// Keep: every level has the components, the Euler characteristic and the border loops of the
+    /// input (report: `kept_topology`), which takes every vertex through the edge collapse: with
+    /// Method::Full only. A target below what that needs ends the run with a TopologyLimit.
+    Topology topology = Topology::Simplify;
 
     /// Edge of a grid cell in model units instead of one derived from the target.
     std::optional<double> cell_size;
@@ -80,6 +91,12 @@ struct SimplifyOptions {
     /// (times the diagonal of the bounding box). To within a cell of the grid; parts nearer to each
     /// other than that are one.
     std::optional<Target> drop_parts;
+
+    /// Connected parts of the model that are nearer to each other than this length (kinds as for
+    /// drop_parts) are joined, before triangles are spent on them: so many small parts become fewer
+    /// large ones instead of vanishing. Distances are those between cells of the grid. Nothing is
+    /// joined unless this is set.
+    std::optional<Target> aggregate;
 
     /// Defects in the input end the run instead of being counted.
     bool strict = false;

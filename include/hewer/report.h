@@ -112,6 +112,21 @@ struct LostPlaces {
     std::vector<LostPlace> list;  ///< the largest, by size, then place
 };
 
+/// A face that shows the surface it stands for its back.
+struct FoldedFace {
+    Vec3 center{};
+    double size = 0;  ///< its longest edge, model units
+};
+
+/// Faces turned by more than 90 degrees from all of the input's surface that is near them.
+struct FoldedFaces {
+    static constexpr std::size_t kMostListed = 100;
+
+    std::uint64_t faces = 0;
+    std::uint64_t unfolded = 0;    ///< that were, before vertices were moved to turn them back
+    std::vector<FoldedFace> list;  ///< the largest, by size, then place
+};
+
 /// A budget that simplify_to_distance() tried.
 struct SearchStep {
     std::uint64_t triangles = 0;
@@ -134,10 +149,19 @@ struct LodReport {
     std::uint64_t lost_cells = 0;  ///< grid cells whose whole surface collapsed away (tiny parts)
     LostPlaces lost;               ///< where; with parts that fell between the cells
     FitReport fit;
+    std::optional<FoldedFaces> folded;  ///< not counted with Method::Uniform
     TopologyReport topology;
     std::optional<MeasureReport> measured;  ///< by the functions of hewer/certify.h
     bool is_nested = true;  ///< every vertex of the next finer LOD has one parent here
     std::uint64_t bytes = 0;
+};
+
+/// Parts of the model that SimplifyOptions::aggregate has joined.
+struct AggregateReport {
+    std::uint64_t parts = 0;         ///< of the grid, before
+    std::uint64_t joined_parts = 0;  ///< after
+    std::uint64_t merged_cells = 0;  ///< that went into others
+    double distance = 0;             ///< longest way of a merged cell, model units
 };
 
 struct SimplifyReport {
@@ -145,6 +169,10 @@ struct SimplifyReport {
     SimplifyOptions options;  ///< as asked; 0 and empty ones filled in
     InputReport input;
     GridReport grid;
+    /// What Topology::Keep has kept: that of the input with vertices of equal positions as one, and
+    /// taken apart where it is not manifold.
+    std::optional<TopologyReport> kept_topology;
+    std::optional<AggregateReport> aggregate;
     LostPlaces dropped;  ///< parts that were too small for SimplifyOptions::drop_parts
     std::uint64_t refined_clusters = 0;  ///< leaves of the cluster tree; 0 without refinement
     FeedbackReport feedback;

@@ -90,6 +90,8 @@ TEST(CliReport, of_simplify_has_all_figures) {
                                      "method",
                                      "input",
                                      "grid",
+                                     "kept_topology",
+                                     "aggregate",
                                      "dropped",
                                      "refined_clusters",
                                      "feedback",
@@ -115,7 +117,8 @@ TEST(CliReport, of_simplify_has_all_figures) {
     const json& lod = report["lods"][0];
     EXPECT_EQ(keys_of(lod), (Keys{"path", "target", "target_triangles", "triangles", "vertices",
                                   "bounds", "error_bound", "quantization", "lost_cells", "lost",
-                                  "fit", "topology", "measured", "is_nested", "bytes"}));
+                                  "fit", "folded", "topology", "measured", "is_nested",
+                                  "bytes"}));
     EXPECT_EQ(lod["target"], (json{{"kind", "triangles"}, {"value", 500}}));
     EXPECT_LE(lod["triangles"], 500);
     EXPECT_GE(lod["triangles"], 495);

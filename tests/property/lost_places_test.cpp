@@ -51,6 +51,36 @@ TEST(LostPlaces, EveryPartThatIsGoneIsListedWhateverTheMethod) {
     }
 }
 
+TEST(LostPlaces, OfAThousandPartsNoneGoesUncountedHoweverSmallTheBudget) {
+    // Spheres far apart: what is left of one is a closed component, and each that is gone is at a
+    // place of its own.
+    Mesh mesh;
+    Random random(3);
+    for (std::uint64_t i = 0; i < 1000; ++i) {
+        const double r = random.between(0.05, 0.3);
+        const Mesh one = translated(scaled(cube_sphere(2), {r, r, r}),
+                                    {static_cast<double>(i % 10), static_cast<double>(i / 10 % 10),
+                                     static_cast<double>(i / 100)});
+        const std::uint64_t first = mesh.positions.size();
+        mesh.positions.insert(mesh.positions.end(), one.positions.begin(), one.positions.end());
+        for (const Triangle& t : one.triangles) {
+            mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+        }
+    }
+    for (const Method method : {Method::Refine, Method::Uniform, Method::Full}) {
+        for (const double triangles : {4000.0, 1000.0, 40.0, 4.0}) {
+            SimplifyOptions options = options_for(Target::Kind::Triangles, triangles);
+            options.method = method;
+            options.feedback_rounds = 0;
+            options.fit_rounds = 0;
+            const LodReport lod = run_simplify(mesh, options).report.lods[0];
+            EXPECT_GE(lod.topology.components + lod.lost.places, 1000U)
+                << static_cast<int>(method) << ", " << triangles;
+            EXPECT_EQ(lod.topology.border_edges, 0U);
+        }
+    }
+}
+
 TEST(LostPlaces, OfOneSurfaceNoMoreIsLostThanASpikeOfACell) {
     const Outcome run =
         run_simplify(cube_sphere(40, 0.002), options_for(Target::Kind::Triangles, 1000));
