@@ -88,7 +88,7 @@ void append_faces(ooc::Context& context, const ooc::Array<std::uint32_t>& rank,
 CellBlocks build_cell_blocks(ooc::Context& context, const Lattice& lattice, const UniformGrid& grid,
                              CellTable& table, std::vector<TripleList>& triples,
                              double border_weight, std::uint64_t most_cells) {
-    CellBlocks blocks = make_cell_blocks(context, lattice, grid, table.has_attributes());
+    CellBlocks blocks = make_cell_blocks(context, lattice, grid, table.extras());
     const FixedPoint fixed(grid.resolution());
     const std::uint64_t n_slots = table.size();
     const CellCounts counts = count_cells(context, table);
@@ -128,6 +128,7 @@ CellBlocks build_cell_blocks(ooc::Context& context, const Lattice& lattice, cons
     struct Piece {
         std::vector<CellRecord> cells;
         std::vector<CellAttributes> attributes;
+        std::vector<float> weights;
     };
     context.workers().in_order(
         (n_cells + kPiece - 1) / kPiece, 2 * context.n_threads(),
@@ -136,8 +137,11 @@ CellBlocks build_cell_blocks(ooc::Context& context, const Lattice& lattice, cons
             for (std::uint64_t k = p * kPiece; k < std::min(n_cells, (p + 1) * kPiece); ++k) {
                 const std::uint32_t slot = order[k].slot;
                 piece.cells.push_back(make_record(table.sums(slot), fixed, border_weight));
-                if (table.has_attributes()) {
+                if (table.extras().attributes) {
                     piece.attributes.push_back(make_attributes(table.attributes(slot), fixed));
+                }
+                if (table.extras().weights) {
+                    piece.weights.push_back(make_weight(table.weights(slot)));
                 }
             }
             context.check_stop();
@@ -145,19 +149,21 @@ CellBlocks build_cell_blocks(ooc::Context& context, const Lattice& lattice, cons
         },
         [&](std::uint64_t, const Piece& piece) {
             blocks.cells.append(piece.cells);
-            if (table.has_attributes()) blocks.attributes.append(piece.attributes);
+            if (table.extras().attributes) blocks.attributes.append(piece.attributes);
+            if (table.extras().weights) blocks.weights.append(piece.weights);
         });
     return blocks;
 }
 
 CellBlocks make_cell_blocks(ooc::Context& context, const Lattice& lattice, const UniformGrid& grid,
-                            bool has_attributes) {
+                            CellExtras extras) {
     CellBlocks blocks;
     blocks.lattice = lattice;
     blocks.grid = grid;
     blocks.codes = {context, "cell codes"};
     blocks.cells = {context, "cells"};
-    if (has_attributes) blocks.attributes = {context, "cell attributes"};
+    if (extras.attributes) blocks.attributes = {context, "cell attributes"};
+    if (extras.weights) blocks.weights = {context, "cell weights"};
     blocks.faces = {context, "surviving triangles"};
     return blocks;
 }

@@ -21,4 +21,7 @@ CellRecord make_record(const CellSums& sums, const FixedPoint& fixed, double bor
 
 CellAttributes make_attributes(const AttributeSums& sums, const FixedPoint& fixed);
 
+/// The mean; 1 where there is no vertex.
+float make_weight(const WeightSums& sums);
+
 }  // namespace hewer::cluster

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "cluster/vertex_store.h"
 
+#include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <map>
@@ -9,6 +11,7 @@
 
 #include "cluster/vertex_pages.h"
 #include "hewer/error.h"
+#include "hewer/options.h"
 #include "ooc/parallel.h"
 
 namespace hewer::cluster {
@@ -42,6 +45,16 @@ void add_vertex(const VertexBatch& batch, std::uint64_t i, AttributeSums& sums) 
             sums.normal[k] += round_to_int(n[k] / length * kNormalScale);
         }
     }
+}
+
+/// What a weight counts as. Returns whether it is a good one.
+bool add_weight(float weight, WeightSums& sums) {
+    const auto w = static_cast<double>(weight);
+    const bool is_number = w >= 0;
+    sums.sum += static_cast<std::uint64_t>(
+        round_to_int(kWeightScale * (is_number ? std::min(w, kMostWeight) : 1)));
+    ++sums.n_vertices;
+    return is_number && w <= kMostWeight;
 }
 
 }  // namespace
@@ -201,22 +214,29 @@ ooc::Spool<LatticePoint> spool_vertices(ooc::Context& context, MeshSource& sourc
     return spool;
 }
 
-void add_vertex_attributes(ooc::Context& context, MeshSource& source, const Lattice& lattice,
-                           const UniformGrid& grid, CellTable& table) {
+std::uint64_t add_vertex_attributes(ooc::Context& context, MeshSource& source,
+                                    const Lattice& lattice, const UniformGrid& grid,
+                                    CellTable& table) {
+    std::atomic<std::uint64_t> n_bad_weights{0};
     const bool is_shared = context.n_threads() > 1;
     const std::uint64_t n_admitted = table.share();
     const auto add_range = [&](const VertexBatch& batch, std::uint64_t first, std::uint64_t last) {
         const CellTable::Admission admission(table, last - first);
         CellKey last_key = ~0ULL;  // no key: keys have 63 bits
         std::uint32_t slot = 0;
+        std::uint64_t n_bad = 0;
         for (std::uint64_t i = first; i < last; ++i) {
             if (!is_finite(batch.positions[i])) continue;
             const CellKey key = grid.key(lattice.encode(batch.positions[i]));
             if (key != last_key) slot = table.find_or_insert(last_key = key);
             std::uint32_t unshared = 0;
             const FieldLock lock(is_shared ? table.sums(slot).lock : unshared);
-            add_vertex(batch, i, table.attributes(slot));
+            if (table.extras().attributes) add_vertex(batch, i, table.attributes(slot));
+            if (table.extras().weights && !add_weight(batch.weights[i], table.weights(slot))) {
+                ++n_bad;
+            }
         }
+        n_bad_weights.fetch_add(n_bad, std::memory_order_relaxed);
     };
     source.begin_vertices();
     context.workers().on_each([&](unsigned) {
@@ -229,6 +249,7 @@ void add_vertex_attributes(ooc::Context& context, MeshSource& source, const Latt
             context.advance(n);
         }
     });
+    return n_bad_weights;
 }
 
 }  // namespace hewer::cluster

@@ -47,9 +47,11 @@ VertexStore load_vertices(ooc::Context& context, MeshSource& source, const Bound
 ooc::Spool<LatticePoint> spool_vertices(ooc::Context& context, MeshSource& source,
                                         const Bounds& bounds, const Lattice& lattice);
 
-/// Adds normals and colours of the vertices to their cells: one more pass over the vertices.
-void add_vertex_attributes(ooc::Context& context, MeshSource& source, const Lattice& lattice,
-                           const UniformGrid& grid, CellTable& table);
+/// Adds normals, colours and weights of the vertices to their cells: one more pass over the
+/// vertices. Returns how many weights were bad (InputDefects::bad_weights).
+std::uint64_t add_vertex_attributes(ooc::Context& context, MeshSource& source,
+                                    const Lattice& lattice, const UniformGrid& grid,
+                                    CellTable& table);
 
 /// Throws FormatError naming the source and the box.
 [[noreturn]] void throw_outside_bounds(const MeshSource& source, const std::string& what);

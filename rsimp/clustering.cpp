@@ -142,6 +142,7 @@ void check_strict(const MeshSource& source, const SimplifyOptions& options, cons
     refuse_any(d.nonfinite_triangles, " triangles have NaN or infinite coordinates");
     refuse_any(d.out_of_range_triangles, " triangles have a vertex index out of range");
     refuse_any(d.degenerate_triangles, " triangles have no area");
+    refuse_any(d.bad_weights, " vertices have a weight that is no number from 0 to 1000");
 }
 
 void warn_of(ooc::Context& context, const MeshSource& source, const InputDefects& d) {
@@ -156,6 +157,12 @@ void warn_of(ooc::Context& context, const MeshSource& source, const InputDefects
         context.warn(name + ": " + std::to_string(d.out_of_range_triangles) +
                      " triangles with a vertex index out of range were left out, first " +
                      d.first_out_of_range);
+    }
+    if (d.bad_weights > 0) {
+        context.warn(
+            name + ": " + std::to_string(d.bad_weights) +
+            " weights of vertices are no numbers from 0 to 1000: larger ones were taken as "
+            "1000, others as 1");
     }
 }
 
@@ -183,18 +190,19 @@ class Pass {
         const SourceInfo& info = source_.info();
         const bool with_face_normals = options_.priority == SplitPriority::NormalVariation;
         const bool with_attributes = info.has_normals || info.has_colors;
-        const bool has_attributes = with_face_normals || with_attributes;
+        const cluster::CellExtras extras(with_face_normals || with_attributes,
+                                         info.is_indexed && info.has_weights);
         const std::uint64_t window = window_bytes();
-        const std::uint64_t most_cells = most_table_cells(has_attributes, window);
+        const std::uint64_t most_cells = most_table_cells(extras, window);
         const auto expected = static_cast<std::uint64_t>(expected_cells * 1.05) + 1024;
-        CellTable table(context_, std::min(expected, most_cells), has_attributes);
+        CellTable table(context_, std::min(expected, most_cells), extras);
         std::optional<VertexPages> pages;
         if (info.is_indexed) make_pages(table, window, pages);
 
         std::atomic<std::uint64_t> n_pieces{0};
         std::vector<TripleList> triples;
         for (unsigned t = 0; t < context_.n_threads(); ++t) triples.emplace_back(&n_pieces);
-        CellRuns runs(context_, has_attributes);
+        CellRuns runs(context_, extras);
         const auto most_pieces =
             context_.n_threads() + static_cast<std::uint64_t>(CellRuns::kTriplesPerCell *
                                                               static_cast<double>(most_cells)) /
@@ -202,9 +210,11 @@ class Pass {
         table.set_overflow(
             {most_cells, [&] { runs.add(table, triples); },
              [&] { return n_pieces.load(std::memory_order_relaxed) > most_pieces; }});
+        std::uint64_t n_bad_weights = 0;
         const auto add_attributes = [&] {
-            if (!with_attributes || !info.is_indexed) return;
-            cluster::add_vertex_attributes(context_, source_, lattice_, grid, table);
+            if (!info.is_indexed || !(with_attributes || extras.weights)) return;
+            n_bad_weights =
+                cluster::add_vertex_attributes(context_, source_, lattice_, grid, table);
             ++report_.input.vertex_passes;
         };
         add_attributes();
@@ -235,6 +245,7 @@ class Pass {
             result.defects = defects;
             result.defects.degenerate_triangles += n_degenerate;
         }
+        result.defects.bad_weights = n_bad_weights;
         pages.reset();
         vertices_ = {};
         if (runs.empty()) {
@@ -257,7 +268,8 @@ class Pass {
                 : context_.budget().limit() / kWindowShare / VertexPages::kPageBytes;
         return std::max(least, wanted) * VertexPages::kPageBytes;
     }
-    [[nodiscard]] std::uint64_t most_table_cells(bool has_attributes, std::uint64_t window) const {
+    [[nodiscard]] std::uint64_t most_table_cells(const cluster::CellExtras& extras,
+                                                 std::uint64_t window) const {
         if (options_.tuning.table_cells != 0) return options_.tuning.table_cells;
         const std::uint64_t taken = context_.budget().limit() / kSpareShare + kSpareBytes + window +
                                     (vertices_.store.points.size() * 16) +
@@ -265,8 +277,7 @@ class Pass {
                                     slack_bytes(context_.budget().limit());
         const std::uint64_t limit = context_.budget().limit();
         const double left = limit > taken ? static_cast<double>(limit - taken) : 0;
-        const auto fit =
-            static_cast<std::uint64_t>(left / CellRuns::bytes_per_cell(has_attributes));
+        const auto fit = static_cast<std::uint64_t>(left / CellRuns::bytes_per_cell(extras));
         // The table grows by whole chunks.
         return std::clamp<std::uint64_t>(fit - fit % CellTable::kChunk, kLeastTableCells,
                                          CellTable::kNone - 1);
@@ -328,6 +339,7 @@ CellBlocks cluster_input(ooc::Context& context, MeshSource& source, const Simpli
     input.faces = info.n_faces;
     input.has_normals = info.has_normals;
     input.has_colors = info.has_colors;
+    input.has_weights = info.has_weights;
     input.ignored = info.ignored;
 
     Vertices vertices;

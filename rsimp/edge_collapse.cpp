@@ -44,6 +44,7 @@ bool contains(const LocalFace& t, std::uint32_t v) {
 
 EdgeCollapse::EdgeCollapse(const BlockMesh& mesh, std::optional<double> most_displacement)
     : most_displacement_(most_displacement),
+      attributes_(mesh.attributes.quadrics),
       is_free_(mesh.vertices.size()),
       faces_(mesh.faces),
       next_corner_(3 * mesh.faces.size()),
@@ -168,8 +169,13 @@ double EdgeCollapse::shape_penalty(std::uint32_t u, std::uint32_t v, const Vec3&
     return worst < kPoorShape ? kPoorShape / std::max(worst, 1e-3) : 1;
 }
 
+EdgeQuadric EdgeCollapse::edge_quadric(std::uint32_t u, std::uint32_t v) const {
+    if (attributes_.empty()) return {vertices_[u], vertices_[v]};
+    return {vertices_[u], vertices_[v], attributes_[u], attributes_[v]};
+}
+
 std::optional<EdgeCollapse::Placement> EdgeCollapse::place(std::uint32_t u, std::uint32_t v) const {
-    const EdgeQuadric edge(vertices_[u], vertices_[v]);
+    const EdgeQuadric edge = edge_quadric(u, v);
     const Vec3& pu = vertices_[u].position;
     const Vec3& pv = vertices_[v].position;
     std::optional<Placement> best;
@@ -237,7 +243,7 @@ void EdgeCollapse::propose(std::uint32_t u) {
     Proposal best{kNoCost, kNoIndex};
     gather_larger_neighbours(u);
     for (const std::uint32_t v : scratch_.larger) {
-        const EdgeQuadric edge(vertices_[u], vertices_[v]);
+        const EdgeQuadric edge = edge_quadric(u, v);
         const auto cost = static_cast<float>(edge.cost(edge.optimum));
         if (cost < best.cost || (cost == best.cost && v < best.partner)) best = {cost, v};
     }
@@ -248,7 +254,7 @@ void EdgeCollapse::propose(std::uint32_t u) {
 /// Only the edge to the neighbour that has moved can have become better than the one proposed.
 void EdgeCollapse::review(std::uint32_t u, std::uint32_t moved) {
     if (moved < u) return;
-    const EdgeQuadric edge(vertices_[u], vertices_[moved]);
+    const EdgeQuadric edge = edge_quadric(u, moved);
     const auto cost = static_cast<float>(edge.cost(edge.optimum));
     const Proposal& old = proposals_[u];
     if (cost < old.cost || (cost == old.cost && moved < old.partner)) {
@@ -265,7 +271,7 @@ void EdgeCollapse::check(std::uint32_t u) {
     gather_larger_neighbours(u);
     s.edges.clear();
     for (const std::uint32_t v : s.larger) {
-        const EdgeQuadric edge(vertices_[u], vertices_[v]);
+        const EdgeQuadric edge = edge_quadric(u, v);
         s.edges.emplace_back(edge.cost(edge.optimum), v);
     }
     std::sort(s.edges.begin(), s.edges.end());
@@ -289,6 +295,7 @@ void EdgeCollapse::collapse(std::uint32_t u, std::uint32_t v) {
     CollapseVertex& kept = vertices_[u];
     const CollapseVertex& gone = vertices_[v];
     kept.quadric += gone.quadric;
+    if (!attributes_.empty()) attributes_[u] += attributes_[v];
     for (std::size_t i = 0; i < 3; ++i) {
         kept.box[i] = std::min(kept.box[i], gone.box[i]);
         kept.box[3 + i] = std::max(kept.box[3 + i], gone.box[3 + i]);

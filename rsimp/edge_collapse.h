@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "rsimp/block_mesh.h"
+#include "rsimp/edge_quadric.h"
 #include "rsimp/indexed_heap.h"
 
 namespace hewer::rsimp {
@@ -50,8 +51,11 @@ class EdgeCollapse {
     /// No edge is left that could be collapsed.
     [[nodiscard]] bool is_finished() const { return queue_.empty(); }
 
-    static constexpr std::uint64_t bytes_for(std::uint64_t n_vertices, std::uint64_t n_faces) {
-        return n_vertices * (128 + 4 + 8 + 8 + 20 + 40) + n_faces * (12 + 12);
+    static constexpr std::uint64_t bytes_for(std::uint64_t n_vertices, std::uint64_t n_faces,
+                                             bool has_attribute_quadrics) {
+        return n_vertices * (128 + 4 + 8 + 8 + 20 + 40 +
+                             (has_attribute_quadrics ? sizeof(cluster::AttributeQuadric) : 0)) +
+               n_faces * (12 + 12);
     }
 
   private:
@@ -90,6 +94,7 @@ class EdgeCollapse {
     [[nodiscard]] bool is_checked(std::uint32_t u) const {
         return checked_[u] > changed_[u] && checked_[u] > changed_[proposals_[u].partner];
     }
+    [[nodiscard]] EdgeQuadric edge_quadric(std::uint32_t u, std::uint32_t v) const;
     [[nodiscard]] std::optional<Placement> place(std::uint32_t u, std::uint32_t v) const;
     [[nodiscard]] bool keeps_type(std::uint32_t v);
     [[nodiscard]] double shape_penalty(std::uint32_t u, std::uint32_t v, const Vec3& x) const;
@@ -97,6 +102,7 @@ class EdgeCollapse {
 
     std::optional<double> most_displacement_;
     std::vector<CollapseVertex> vertices_;
+    std::vector<cluster::AttributeQuadric> attributes_;  // empty where they do not count
     std::vector<bool> is_free_;
     std::vector<LocalFace> faces_;
     std::vector<std::uint32_t> next_corner_;   // circular list of the corners of each vertex

@@ -117,6 +117,30 @@ void check_options(const SimplifyOptions& options) {
     if (!(options.border_weight >= 0 && std::isfinite(options.border_weight))) {
         throw InvalidArgument("the border weight must not be negative");
     }
+    for (const double weight : {options.color_weight, options.normal_weight}) {
+        if (!(weight >= 0 && std::isfinite(weight))) {
+            throw InvalidArgument("the weights of colours and normals must not be negative");
+        }
+        if (weight > 0 && options.method == Method::Uniform) {
+            throw InvalidArgument(
+                "the uniform method looks at places alone; weights of colours and normals "
+                "contradict it");
+        }
+        if (weight > 0 && options.priority == SplitPriority::NormalVariation) {
+            throw InvalidArgument(
+                "the normal priority looks at directions of faces alone; weights of colours and "
+                "normals contradict it");
+        }
+    }
+    for (const FocusBox& focus : options.focus) {
+        if (focus.box.is_empty()) {
+            throw InvalidArgument(
+                "a box of interest is empty: each minimum must be at most its maximum");
+        }
+        if (!(focus.weight >= 0 && focus.weight <= kMostWeight)) {
+            throw InvalidArgument("the weight of a box of interest must be from 0 to 1000");
+        }
+    }
     if (options.drop_parts &&
         !(is_error(options.drop_parts->kind) && options.drop_parts->value > 0 &&
           std::isfinite(options.drop_parts->value))) {

@@ -108,6 +108,7 @@ PlanReport plan(const InputPaths& input, const SimplifyOptions& asked) {
     report.input.triangles = info.n_faces;
     report.input.has_normals = info.has_normals;
     report.input.has_colors = info.has_colors;
+    report.input.has_weights = info.has_weights;
     report.input.ignored = info.ignored;
 
     const Sampled sampled = read_sample(*source);
@@ -157,8 +158,7 @@ PlanReport plan(const InputPaths& input, const SimplifyOptions& asked) {
     counts.clusters = clusters;
     counts.lod_vertices = out_triangles / 2;
     counts.n_threads = ooc::thread_count(options.n_threads);
-    counts.has_attributes =
-        info.has_normals || info.has_colors || options.priority == SplitPriority::NormalVariation;
+    rsimp::count_attributes(options, info, counts);
     counts.has_fit = rsimp::fit_rounds(options) > 0;
     const unsigned n_feedback = rsimp::feedback_rounds(options);
     counts.has_feedback = n_feedback > 0;

@@ -34,6 +34,7 @@ class JoinedSource final : public MeshSource {
             info_.has_normals |= p.has_normals;
             info_.has_colors |= p.has_colors;
             info_.has_alpha |= p.has_alpha;
+            info_.has_weights |= p.has_weights;
             for (const std::string& what : p.ignored) {
                 if (std::find(info_.ignored.begin(), info_.ignored.end(), what) ==
                     info_.ignored.end()) {
@@ -82,6 +83,7 @@ class JoinedSource final : public MeshSource {
             batch.positions.clear();
             batch.normals.clear();
             batch.colors.clear();
+            batch.weights.clear();
             VertexBatch piece;
             for (std::uint64_t at = first; at < last; ++i) {
                 const std::uint64_t end = std::min(last, end_of(i));
@@ -91,6 +93,7 @@ class JoinedSource final : public MeshSource {
                 append(batch.positions, piece.positions);
                 append(batch.normals, piece.normals);
                 append(batch.colors, piece.colors);
+                append(batch.weights, piece.weights);
                 at = end;
             }
         }
@@ -155,6 +158,7 @@ class JoinedSource final : public MeshSource {
         const std::size_t n = batch.positions.size();
         if (info_.has_normals && batch.normals.empty()) batch.normals.assign(n, {});
         if (info_.has_colors && batch.colors.empty()) batch.colors.assign(n, kWhite);
+        if (info_.has_weights && batch.weights.empty()) batch.weights.assign(n, 1.0F);
     }
 
     /// Element numbers in messages are those of the file.

@@ -49,6 +49,7 @@ struct InputReport {
     Bounds bounds;
     bool has_normals = false;
     bool has_colors = false;
+    bool has_weights = false;
     std::vector<std::string> ignored;
     InputDefects defects;
     double area = 0;  ///< of all triangles, square model units
