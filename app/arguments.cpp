@@ -70,6 +70,9 @@ Value parse_any(const OptionSpec& option, const std::string& text) {
     switch (option.type) {
         case ValueType::Flag:
             return true;
+        case ValueType::Name:
+            if (text.empty()) throw InvalidArgument("the name is empty");
+            return text;
         case ValueType::Path:
         case ValueType::Paths:
             return parse_path(option, text);
@@ -104,6 +107,8 @@ Value parse_any(const OptionSpec& option, const std::string& text) {
         }
         case ValueType::Box:
             return parse_box(text);
+        case ValueType::FocusBoxes:
+            return std::vector{parse_focus(text)};
         case ValueType::Pixels: {
             const auto pixels = parse_pixels(text);
             for (const std::uint64_t n : pixels) {
@@ -140,6 +145,14 @@ void Arguments::set(const OptionSpec& option, const std::vector<std::string>& te
     if (option.type == ValueType::Paths) {
         for (const std::string& text : texts) parse_value(option, text);
         entries_[option.key] = {texts, true};
+        return;
+    }
+    if (option.type == ValueType::FocusBoxes) {
+        std::vector<FocusBox> boxes;
+        for (const std::string& text : texts) {
+            boxes.push_back(std::get<std::vector<FocusBox>>(parse_value(option, text)).front());
+        }
+        entries_[option.key] = {boxes, true};
         return;
     }
     entries_[option.key] = {parse_value(option, texts.empty() ? std::string() : texts.front()),

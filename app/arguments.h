@@ -18,7 +18,7 @@ namespace hewer::app {
 
 using Value = std::variant<bool, std::uint64_t, double, std::string, std::vector<std::string>,
                            Target, std::vector<Target>, Bounds, std::array<std::uint64_t, 2>,
-                           std::array<double, 2>, Quantization>;
+                           std::array<double, 2>, Quantization, std::vector<FocusBox>>;
 
 /// Reads `text` as the option says and checks its range and choices.
 /// Throws InvalidArgument: "--triangles: '0' is below 1".
@@ -31,7 +31,7 @@ class Arguments {
 
     [[nodiscard]] Command command() const { return command_; }
 
-    /// `texts` are several only for an option of type Paths.
+    /// `texts` are several only for options of type Paths and FocusBoxes.
     void set(const OptionSpec& option, const std::vector<std::string>& texts);
 
     /// The user wrote it.

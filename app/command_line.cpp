@@ -74,7 +74,11 @@ struct Slot {
     CLI::Option* option = nullptr;
 };
 
-constexpr int kMostPaths = 1 << 20;
+constexpr int kMostValues = 1 << 20;
+
+bool may_be_repeated(const OptionSpec& option) {
+    return option.type == ValueType::Paths || option.type == ValueType::FocusBoxes;
+}
 
 // The values of `command`, whose arguments are args.
 std::variant<Arguments, HelpText> parse_command(const CommandSpec& command,
@@ -91,7 +95,10 @@ std::variant<Arguments, HelpText> parse_command(const CommandSpec& command,
         if (o.type == ValueType::Flag) {
             slot.option = app.add_flag(name);
         } else if (o.type == ValueType::Paths) {
-            slot.option = app.add_option(name, slot.texts)->expected(1, kMostPaths);
+            slot.option = app.add_option(name, slot.texts)->expected(1, kMostValues);
+        } else if (o.type == ValueType::FocusBoxes) {
+            slot.option =
+                app.add_option(name, slot.texts)->expected(1, kMostValues)->allow_extra_args(false);
         } else {
             slot.option = app.add_option(name, slot.texts)->expected(1)->allow_extra_args(false);
         }
@@ -105,7 +112,7 @@ std::variant<Arguments, HelpText> parse_command(const CommandSpec& command,
         throw InvalidArgument(describe_extras(command.command, app.remaining()));
     } catch (const CLI::ArgumentMismatch& e) {
         const auto twice = std::find_if(slots.begin(), slots.end(), [](const Slot& s) {
-            return s.option->count() > 1 && s.spec->type != ValueType::Paths;
+            return s.option->count() > 1 && !may_be_repeated(*s.spec);
         });
         if (twice != slots.end()) {
             throw InvalidArgument(std::string(long_name(*twice->spec)) +

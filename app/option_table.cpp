@@ -113,6 +113,17 @@ OptionSpec{"bounds", "--bounds", "BOX", T::Box, kTargets, "model units", "=read 
     "Box that holds the input, x0,y0,z0,x1,y1,z1; spares one scan of the vertices."},
 OptionSpec{"border_weight", "--border-weight", "W", T::Number, kTargets, "", "30", 0, 1e6, "", kMethod, false,
     "Weight of open borders against the surface; 0 lets borders wander."},
+OptionSpec{"color_weight", "--color-weight", "W", T::Number, kTargets, "% of the diagonal", "0", 0, 1e6, "", kMethod, false,
+    "What colours count in choosing and placing vertices: with W, black against white as much as a "
+    "distance of W per cent of the bounding box's diagonal. 0 carries them along, no more."},
+OptionSpec{"normal_weight", "--normal-weight", "W", T::Number, kTargets, "% of the diagonal", "0", 0, 1e6, "", kMethod, false,
+    "The same for the normals of the input's vertices: a component of a unit normal, by one."},
+OptionSpec{"weight_property", "--weight-property", "NAME", T::Name, kTargets, "", "", 0, 0, "", kMethod, false,
+    "Property of a PLY's vertices, such as quality or confidence: the surface at a vertex counts as "
+    "that many times its area, 0 to 1000. Only ratios matter."},
+OptionSpec{"focus", "--focus", "BOX:WEIGHT", T::FocusBoxes, kTargets, "model units", "", 0, 0, "", kMethod, false,
+    "Box of interest, x0,y0,z0,x1,y1,z1:WEIGHT: the surface in it counts as WEIGHT times its area, 0 "
+    "to 1000. May be given several times; weights multiply."},
 OptionSpec{"feedback", "--feedback", "N", T::CountOrOff, kTargets, "rounds, or off", "=2 with --method full, else off", 1, 20, "", kMethod, false,
     "Find the places where a first result is far from the input, and give them more triangles."},
 OptionSpec{"fit", "--fit", "N", T::CountOrOff, kTargets, "rounds, or off", "=2, with --method full 4; off with --method uniform or --displacement", 1, 100, "", kMethod, false,

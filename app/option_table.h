@@ -14,6 +14,7 @@ enum class Command : unsigned { Simplify, Measure, Info, Plan, Generate, Render,
 /// How the text of a value is read; parse_units.h has the grammar of each.
 enum class ValueType {
     Flag,    ///< no value
+    Name,    ///< of something in the input
     Path,    ///< a file or folder name
     Paths,   ///< one or more of them; an operand
     Choice,  ///< one of OptionSpec::choices
@@ -25,6 +26,7 @@ enum class ValueType {
     Lods,
     Number,
     Box,
+    FocusBoxes,  ///< boxes with a weight each; may be given again and again
     Pixels,
     Pair,
     Quantization,

@@ -226,6 +226,18 @@ Bounds parse_box(std::string_view text) {
     return box;
 }
 
+FocusBox parse_focus(std::string_view text) {
+    const std::size_t colon = text.find(':');
+    if (colon == std::string_view::npos) {
+        refuse(text, "has no weight; write x0,y0,z0,x1,y1,z1:WEIGHT");
+    }
+    FocusBox focus{parse_box(text.substr(0, colon)), parse_number(text.substr(colon + 1))};
+    if (!(focus.weight >= 0 && focus.weight <= kMostWeight)) {
+        refuse(text, "has a weight that is not from 0 to 1000");
+    }
+    return focus;
+}
+
 std::array<std::uint64_t, 2> parse_pixels(std::string_view text) {
     const std::vector<std::string_view> parts = split(text, 'x');
     if (parts.size() != 2) refuse(text, "is not a picture size; write for example 1920x1080");

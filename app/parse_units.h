@@ -36,6 +36,9 @@ double parse_number(std::string_view text);
 /// "x0,y0,z0,x1,y1,z1": the two opposite corners, not one point.
 Bounds parse_box(std::string_view text);
 
+/// "x0,y0,z0,x1,y1,z1:WEIGHT", the weight from 0 to 1000.
+FocusBox parse_focus(std::string_view text);
+
 /// "1920x1080".
 std::array<std::uint64_t, 2> parse_pixels(std::string_view text);
 

@@ -84,6 +84,7 @@ Json to_value(const InputDefects& d) {
             {"short_faces", d.short_faces},
             {"polygons", d.polygons},
             {"degenerate_triangles", d.degenerate_triangles},
+            {"bad_weights", d.bad_weights},
             {"first_nonfinite", d.first_nonfinite},
             {"first_out_of_range", d.first_out_of_range}};
 }
@@ -138,6 +139,7 @@ Json to_value(const InputReport& r) {
               {"bounds", to_value(r.bounds)},
               {"has_normals", known(has_counts, r.has_normals)},
               {"has_colors", known(has_counts, r.has_colors)},
+              {"has_weights", r.has_weights},
               {"textures", to_value(r.textures)},
               {"ignored", r.ignored},
               {"defects", known(is_whole, to_value(r.defects))},
@@ -215,6 +217,7 @@ Json to_value(const WorstPlace& w) {
 Json to_value(const LodReport& r);
 Json to_value(const SearchStep& s);
 Json to_value(const StageReport& r);
+Json to_value(const FocusBox& f);
 
 template <typename T>
 Json to_list(const std::vector<T>& items) {
@@ -275,11 +278,16 @@ Json to_value(const StageReport& r) {
             {"peak_resident_bytes", r.peak_resident_bytes}};
 }
 
+Json to_value(const FocusBox& f) {
+    return {{"box", to_value(f.box)}, {"weight", f.weight}};
+}
+
 Json to_value(const Value& value) {
     return std::visit(
         [](const auto& v) -> Json {
             using T = std::decay_t<decltype(v)>;
-            if constexpr (std::is_same_v<T, std::vector<Target>>) {
+            if constexpr (std::is_same_v<T, std::vector<Target>> ||
+                          std::is_same_v<T, std::vector<FocusBox>>) {
                 return to_list(v);
             } else if constexpr (std::is_same_v<T, Target> || std::is_same_v<T, Bounds> ||
                                  std::is_same_v<T, Quantization>) {

@@ -113,6 +113,24 @@ SimplifyOptions make_simplify_options(const Arguments& arguments) {
     }
     if (arguments.is_given("bounds")) options.bounds = arguments.get<Bounds>("bounds");
     options.border_weight = arguments.get<double>("border_weight");
+    options.color_weight = arguments.get<double>("color_weight");
+    options.normal_weight = arguments.get<double>("normal_weight");
+    for (const std::string_view key : {"color_weight", "normal_weight"}) {
+        if (!(arguments.get<double>(key) > 0)) continue;
+        const std::string name(long_name(find_option(arguments.command(), key)));
+        if (is_uniform) {
+            throw InvalidArgument(name +
+                                  " and --method uniform contradict each other: uniform looks at "
+                                  "places alone");
+        }
+        if (options.priority == SplitPriority::NormalVariation) {
+            throw InvalidArgument(name +
+                                  " and --priority normal contradict each other: that priority "
+                                  "looks at directions of faces alone");
+        }
+    }
+    options.weight_property = arguments.get<std::string>("weight_property");
+    options.focus = arguments.get<std::vector<FocusBox>>("focus");
     if (arguments.is_given("feedback")) {
         options.feedback_rounds = static_cast<unsigned>(arguments.get<std::uint64_t>("feedback"));
     }

@@ -88,7 +88,7 @@ void append_faces(ooc::Context& context, const ooc::Array<std::uint32_t>& rank,
 CellBlocks build_cell_blocks(ooc::Context& context, const Lattice& lattice, const UniformGrid& grid,
                              CellTable& table, std::vector<TripleList>& triples,
                              double border_weight, std::uint64_t most_cells) {
-    CellBlocks blocks = make_cell_blocks(context, lattice, grid, table.has_attributes());
+    CellBlocks blocks = make_cell_blocks(context, lattice, grid, table.extras());
     const FixedPoint fixed(grid.resolution());
     const std::uint64_t n_slots = table.size();
     const CellCounts counts = count_cells(context, table);
@@ -129,6 +129,7 @@ CellBlocks build_cell_blocks(ooc::Context& context, const Lattice& lattice, cons
         std::vector<CellRecord> cells;
         std::vector<CellAttributes> attributes;
         std::vector<BorderLine> borders;
+        std::vector<float> weights;
     };
     context.workers().in_order(
         (n_cells + kPiece - 1) / kPiece, 2 * context.n_threads(),
@@ -136,7 +137,7 @@ CellBlocks build_cell_blocks(ooc::Context& context, const Lattice& lattice, cons
             Piece piece;
             const std::uint64_t end = std::min(n_cells, (p + 1) * kPiece);
             piece.cells.reserve(end - p * kPiece);
-            if (table.has_attributes()) piece.attributes.reserve(end - p * kPiece);
+            if (table.extras().attributes) piece.attributes.reserve(end - p * kPiece);
             for (std::uint64_t k = p * kPiece; k < end; ++k) {
                 const std::uint32_t slot = order[k].slot;
                 const CellSums& sums = table.sums(slot);
@@ -149,8 +150,11 @@ CellBlocks build_cell_blocks(ooc::Context& context, const Lattice& lattice, cons
                         piece.borders.push_back(*line);
                     }
                 }
-                if (table.has_attributes()) {
+                if (table.extras().attributes) {
                     piece.attributes.push_back(make_attributes(table.attributes(slot), fixed));
+                }
+                if (table.extras().weights) {
+                    piece.weights.push_back(make_weight(table.weights(slot)));
                 }
             }
             context.check_stop();
@@ -159,19 +163,21 @@ CellBlocks build_cell_blocks(ooc::Context& context, const Lattice& lattice, cons
         [&](std::uint64_t, const Piece& piece) {
             blocks.cells.append(piece.cells);
             blocks.borders.append(piece.borders);
-            if (table.has_attributes()) blocks.attributes.append(piece.attributes);
+            if (table.extras().attributes) blocks.attributes.append(piece.attributes);
+            if (table.extras().weights) blocks.weights.append(piece.weights);
         });
     return blocks;
 }
 
 CellBlocks make_cell_blocks(ooc::Context& context, const Lattice& lattice, const UniformGrid& grid,
-                            bool has_attributes) {
+                            CellExtras extras) {
     CellBlocks blocks;
     blocks.lattice = lattice;
     blocks.grid = grid;
     blocks.codes = {context, "cell codes"};
     blocks.cells = {context, "cells"};
-    if (has_attributes) blocks.attributes = {context, "cell attributes"};
+    if (extras.attributes) blocks.attributes = {context, "cell attributes"};
+    if (extras.weights) blocks.weights = {context, "cell weights"};
     blocks.faces = {context, "surviving triangles"};
     blocks.borders = {context, "border lines"};
     return blocks;

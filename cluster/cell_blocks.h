@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cluster/accumulate.h"
+#include "cluster/attribute_quadric.h"
 #include "cluster/cell_record.h"
 #include "cluster/cell_table.h"
 #include "cluster/lattice.h"
@@ -43,6 +44,9 @@ struct CellBlocks {
     ooc::Spool<std::uint64_t> codes;        ///< Morton codes of the occupied cells, rising
     ooc::Spool<CellRecord> cells;           ///< means relative to the cell's centre
     ooc::Spool<CellAttributes> attributes;  ///< empty if the input has none
+    ooc::Spool<float> weights;              ///< means over the vertices; empty if they have none
+    /// What colours and normals count in the error metric; empty unless that is asked for.
+    ooc::Spool<CellAttributeQuadric> attribute_quadrics;
     /// Cell ids, three different ones, wound as the triangle was. A face is in the block of its
     /// median corner (by id): so the faces with at least two corners in a block are all in its
     /// list. Duplicates and opposite pairs are still there; the order inside a block is
@@ -68,7 +72,7 @@ Id median_corner(const std::array<Id, 3>& t) {
 }
 
 CellBlocks make_cell_blocks(ooc::Context& context, const Lattice& lattice, const UniformGrid& grid,
-                            bool has_attributes);
+                            CellExtras extras);
 
 /// Turns sums into records, sorts them, renumbers the triples. Consumes `table` and `triples`.
 /// Memory: beside the blocks 36 bytes a cell and 24 a triangle.

@@ -109,16 +109,17 @@ void add_to(CellSums& sums, const RunCell& part) {
 }  // namespace
 
 // Two buffers a run with attributes, and two levels that are merged at once.
-CellRuns::CellRuns(ooc::Context& context, bool has_attributes)
+CellRuns::CellRuns(ooc::Context& context, CellExtras extras)
     : context_(context),
-      has_attributes_(has_attributes),
+      extras_(extras),
       fan_in_(std::max<std::uint64_t>(
           kLeastFanIn, context.budget().limit() / kBufferShare / kLeastBufferBytes / 4)) {}
 
 CellRuns::Level CellRuns::new_level() const {
     Level level;
     level.cells = {context_, "cell sums"};
-    if (has_attributes_) level.attributes = {context_, "attribute sums"};
+    if (extras_.attributes) level.attributes = {context_, "attribute sums"};
+    if (extras_.weights) level.weights = {context_, "weight sums"};
     level.triples = {context_, "surviving triangles"};
     level.ends = {{0, 0}};
     return level;
@@ -131,7 +132,7 @@ std::uint64_t CellRuns::n_runs() const {
 }
 
 std::uint64_t CellRuns::buffer_bytes(std::uint64_t n_runs) const {
-    const std::uint64_t n_buffers = n_runs * (has_attributes_ ? 2 : 1);
+    const std::uint64_t n_buffers = n_runs * (1 + extras_.count());
     return std::clamp<std::uint64_t>(context_.budget().limit() / kBufferShare / n_buffers,
                                      kLeastBufferBytes, ooc::SpoolReader<RunCell>::kBufferBytes);
 }
@@ -174,16 +175,20 @@ void CellRuns::write_run(CellTable& table, std::vector<TripleList>& triples, Lev
     }
     std::vector<RunCell> cells;
     std::vector<AttributeSums> attributes;
+    std::vector<WeightSums> weights;
     for (std::uint64_t first = 0; first < n; first += kPiece) {
         cells.clear();
         attributes.clear();
+        weights.clear();
         for (std::uint64_t k = first; k < std::min(n, first + kPiece); ++k) {
             const std::uint32_t slot = order[k].slot;
             cells.push_back(run_cell(order[k].code, table.sums(slot)));
-            if (has_attributes_) attributes.push_back(table.attributes(slot));
+            if (extras_.attributes) attributes.push_back(table.attributes(slot));
+            if (extras_.weights) weights.push_back(table.weights(slot));
         }
         level.cells.append(cells);
-        if (has_attributes_) level.attributes.append(attributes);
+        if (extras_.attributes) level.attributes.append(attributes);
+        if (extras_.weights) level.weights.append(weights);
         context_.check_stop();
     }
     level.ends.push_back({level.cells.size(), level.triples.size()});
@@ -195,17 +200,19 @@ void CellRuns::for_each_cell(const std::vector<Level>& levels, const Visit& visi
     for (const Level& level : levels) n_runs += level.n_runs();
     const std::uint64_t bytes = buffer_bytes(n_runs);
     const ooc::Reservation buffers =
-        context_.budget().reserve("merging cells", n_runs * bytes * (has_attributes_ ? 2 : 1));
+        context_.budget().reserve("merging cells", n_runs * bytes * (1 + extras_.count()));
     std::vector<ooc::SpoolReader<RunCell>> readers;
     std::vector<ooc::SpoolReader<AttributeSums>> attribute_readers;
+    std::vector<ooc::SpoolReader<WeightSums>> weight_readers;
     for (const Level& level : levels) {
         for (std::size_t r = 0; r < level.n_runs(); ++r) {
             const std::uint64_t first = level.ends[r].cell;
             const std::uint64_t last = level.ends[r + 1].cell;
             readers.emplace_back(level.cells, first, last, bytes);
-            if (has_attributes_) {
+            if (extras_.attributes) {
                 attribute_readers.emplace_back(level.attributes, first, last, bytes);
             }
+            if (extras_.weights) weight_readers.emplace_back(level.weights, first, last, bytes);
         }
     }
     const auto code_of = [](const RunCell& cell) { return cell.code; };
@@ -215,11 +222,13 @@ void CellRuns::for_each_cell(const std::vector<Level>& levels, const Visit& visi
         const std::uint64_t code = merger.key();
         CellSums sums{};
         AttributeSums attribute_sums{};
+        WeightSums weight_sums{};
         while (!merger.empty() && merger.key() == code) {
-            if (has_attributes_) attribute_sums += *attribute_readers[merger.run()].next();
+            if (extras_.attributes) attribute_sums += *attribute_readers[merger.run()].next();
+            if (extras_.weights) weight_sums += *weight_readers[merger.run()].next();
             add_to(sums, merger.take());
         }
-        visit(code, sums, attribute_sums);
+        visit(code, sums, attribute_sums, weight_sums);
         if (++n_visited % kPiece == 0) context_.check_stop();
     }
 }
@@ -240,14 +249,16 @@ ooc::Reservation CellRuns::triple_readers(
 }
 
 void CellRuns::merge_into(Level& to, std::vector<Level> from) const {
-    for_each_cell(from,
-                  [&](std::uint64_t code, const CellSums& sums, const AttributeSums& attributes) {
-                      to.cells.push(run_cell(code, sums));
-                      if (has_attributes_) to.attributes.push(attributes);
-                  });
+    for_each_cell(from, [&](std::uint64_t code, const CellSums& sums,
+                            const AttributeSums& attributes, const WeightSums& weights) {
+        to.cells.push(run_cell(code, sums));
+        if (extras_.attributes) to.attributes.push(attributes);
+        if (extras_.weights) to.weights.push(weights);
+    });
     for (Level& level : from) {
         level.cells.release();
         level.attributes.release();
+        level.weights.release();
     }
     std::vector<ooc::SpoolReader<CodeTriple>> readers;
     const ooc::Reservation buffers = triple_readers(from, readers);
@@ -266,30 +277,33 @@ void CellRuns::merge_cells(const std::vector<Level>& levels, double border_weigh
     std::vector<std::uint64_t> codes;
     std::vector<CellRecord> cells;
     std::vector<CellAttributes> attributes;
+    std::vector<float> weights;
     std::uint32_t n_cells = 0;
     const auto flush = [&] {
         cutter.add(codes);
         blocks.cells.append(cells);
-        if (has_attributes_) blocks.attributes.append(attributes);
+        if (extras_.attributes) blocks.attributes.append(attributes);
+        if (extras_.weights) blocks.weights.append(weights);
         codes.clear();
         cells.clear();
         attributes.clear();
+        weights.clear();
     };
-    for_each_cell(
-        levels, [&](std::uint64_t code, const CellSums& sums, const AttributeSums& attribute_sums) {
-            if (sums.is_touched == 0) return;
-            if (has_border(sums)) ++blocks.n_border_cells;
-            codes.push_back(code);
-            cells.push_back(make_record(sums, fixed, border_weight));
-            auto line = border_line(sums, fixed, cells.back(), center_of(code));
-            if (line) {
-                line->cell = n_cells;
-                blocks.borders.push(*line);
-            }
-            ++n_cells;
-            if (has_attributes_) attributes.push_back(make_attributes(attribute_sums, fixed));
-            if (codes.size() == kPiece) flush();
-        });
+    for_each_cell(levels, [&](std::uint64_t code, const CellSums& sums,
+                              const AttributeSums& attribute_sums, const WeightSums& weight_sums) {
+        if (sums.is_touched == 0) return;
+        if (has_border(sums)) ++blocks.n_border_cells;
+        codes.push_back(code);
+        cells.push_back(make_record(sums, fixed, border_weight));
+        auto line = border_line(sums, fixed, cells.back(), center_of(code));
+        if (line) {
+            line->cell = n_cells;
+            blocks.borders.push(*line);
+        }
+        ++n_cells;
+        if (extras_.attributes) attributes.push_back(make_attributes(attribute_sums, fixed));
+        if (extras_.weights) weights.push_back(make_weight(weight_sums));
+        if (codes.size() == kPiece) flush();
     flush();
     cutter.finish();
 }
@@ -339,11 +353,11 @@ void CellRuns::merge_triples(const std::vector<Level>& levels, CellBlocks& block
 CellBlocks CellRuns::merge(const Lattice& lattice, const UniformGrid& grid, double border_weight,
                            std::uint64_t most_cells) {
     std::vector<Level> levels = std::exchange(levels_, {});
-    CellBlocks blocks = make_cell_blocks(context_, lattice, grid, has_attributes_);
+    CellBlocks blocks = make_cell_blocks(context_, lattice, grid, extras_);
     merge_cells(levels, border_weight, most_cells, blocks);
     if (is_border_implausible(blocks.n_border_cells, blocks.n_cells())) {
         const std::uint64_t n_border_cells = blocks.n_border_cells;
-        blocks = make_cell_blocks(context_, lattice, grid, has_attributes_);
+        blocks = make_cell_blocks(context_, lattice, grid, extras_);
         merge_cells(levels, 0, most_cells, blocks);
         blocks.n_border_cells = n_border_cells;
         blocks.is_consistently_wound = false;
@@ -353,6 +367,7 @@ CellBlocks CellRuns::merge(const Lattice& lattice, const UniformGrid& grid, doub
     for (Level& level : levels) {
         level.cells.release();
         level.attributes.release();
+        level.weights.release();
     }
     merge_triples(levels, blocks);
     return blocks;

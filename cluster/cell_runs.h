@@ -33,7 +33,7 @@ using CodeTriple = std::array<std::uint64_t, 3>;
 /// not grow with the input.
 class CellRuns {
   public:
-    CellRuns(ooc::Context& context, bool has_attributes);
+    CellRuns(ooc::Context& context, CellExtras extras);
 
     /// Everything in the table and all triples, as one more run: cells by code, triples by the code
     /// of their median corner. The triples are taken away, the table stays as it is. Memory beside
@@ -53,8 +53,8 @@ class CellRuns {
     /// Of the table with its triples, and what add() needs beside it, for each cell; with
     /// kTriplesPerCell, which a surface has.
     static constexpr double kTriplesPerCell = 2.5;
-    static constexpr double bytes_per_cell(bool has_attributes) {
-        return sizeof(CellSums) + (has_attributes ? sizeof(AttributeSums) : 0) + 34 /* index */ +
+    static double bytes_per_cell(CellExtras extras) {
+        return static_cast<double>(sizeof(CellSums) + extras.bytes()) + 34 /* index */ +
                32 /* order */ + 12 /* codes, ranks */ + kTriplesPerCell * 3 * sizeof(CellTriple);
     }
 
@@ -63,6 +63,7 @@ class CellRuns {
     struct Level {
         ooc::Spool<RunCell> cells;
         ooc::Spool<AttributeSums> attributes;  // parallel to cells; empty if the input has none
+        ooc::Spool<WeightSums> weights;        // the same
         ooc::Spool<CodeTriple> triples;
         struct End {
             std::uint64_t cell;
@@ -75,7 +76,7 @@ class CellRuns {
     void write_run(CellTable& table, std::vector<TripleList>& triples, Level& level) const;
     /// All runs as one more of `to`. Leaves none.
     void merge_into(Level& to, std::vector<Level> from) const;
-    /// visit(code, sums, attributes) for each cell of all runs, by code.
+    /// visit(code, sums, attributes, weights) for each cell of all runs, by code.
     template <typename Visit>
     void for_each_cell(const std::vector<Level>& levels, const Visit& visit) const;
     [[nodiscard]] std::uint64_t buffer_bytes(std::uint64_t n_runs) const;
@@ -86,7 +87,7 @@ class CellRuns {
     void merge_triples(const std::vector<Level>& levels, CellBlocks& blocks) const;
 
     ooc::Context& context_;
-    bool has_attributes_;
+    CellExtras extras_;
     std::uint64_t fan_in_;
     std::vector<Level> levels_;
 };

@@ -63,6 +63,35 @@ struct AttributeSums {
     }
 };
 
+/// Sums over the vertices in one cell, kept only where the vertices have weights.
+struct WeightSums {
+    std::uint64_t sum;  ///< kWeightScale units
+    std::uint64_t n_vertices;
+
+    WeightSums& operator+=(const WeightSums& other) {
+        sum += other.sum;
+        n_vertices += other.n_vertices;
+        return *this;
+    }
+};
+/// Of a weight of at most 1000: 2^33 of them fit.
+inline constexpr double kWeightScale = 1 << 20;
+
+/// What there is in a cell beside CellSums.
+struct CellExtras {
+    bool attributes = false;
+    bool weights = false;
+
+    CellExtras() = default;
+    // Implicit: weights are rare, and elsewhere it is a matter of attributes or none.
+    CellExtras(bool with_attributes, bool with_weights = false)
+        : attributes(with_attributes), weights(with_weights) {}
+    [[nodiscard]] std::uint64_t bytes() const {
+        return (attributes ? sizeof(AttributeSums) : 0) + (weights ? sizeof(WeightSums) : 0);
+    }
+    [[nodiscard]] unsigned count() const { return (attributes ? 1U : 0U) + (weights ? 1U : 0U); }
+};
+
 /// Spin lock on a field of a plain record; held for some dozen instructions.
 class FieldLock {
   public:

@@ -23,8 +23,8 @@ std::uint64_t capacity_for(std::uint64_t n_cells) {
 
 }  // namespace
 
-CellTable::CellTable(ooc::Context& context, std::uint64_t expected_cells, bool has_attributes)
-    : context_(context), has_attributes_(has_attributes) {
+CellTable::CellTable(ooc::Context& context, std::uint64_t expected_cells, CellExtras extras)
+    : context_(context), extras_(extras) {
     ensure_room(expected_cells);
 }
 
@@ -54,7 +54,10 @@ void CellTable::ensure_room(std::uint64_t n_cells) {
     }
     while (sums_.size() * kChunk < n_cells) {
         sums_.emplace_back(context_.budget(), "cell sums", kChunk);
-        if (has_attributes_) attributes_.emplace_back(context_.budget(), "cell attributes", kChunk);
+        if (extras_.attributes) {
+            attributes_.emplace_back(context_.budget(), "cell attributes", kChunk);
+        }
+        if (extras_.weights) weights_.emplace_back(context_.budget(), "cell weights", kChunk);
     }
 }
 
@@ -62,6 +65,7 @@ void CellTable::release() {
     release_index();
     sums_.clear();
     attributes_.clear();
+    weights_.clear();
     size_ = 0;
 }
 
@@ -79,6 +83,7 @@ void CellTable::clear() {
     };
     zero(sums_);
     zero(attributes_);
+    zero(weights_);
     size_ = 0;
     epoch_.fetch_add(1, std::memory_order_release);
 }

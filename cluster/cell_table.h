@@ -22,15 +22,15 @@ namespace hewer::cluster {
 /// When it holds `most_cells`, or cannot grow, it is spilled: the owner's function takes what is in
 /// it, and it begins again, empty, in a new epoch in which slots of the one before mean nothing.
 ///
-/// Memory: 136 bytes a cell for the sums (88 more with attributes), 17 to 34 for the table, in
-/// steps of kChunk cells; while it grows the old table is held as well.
+/// Memory: 136 bytes a cell for the sums (88 more with attributes, 16 with weights), 17 to 34 for
+/// the table, in steps of kChunk cells; while it grows the old table is held as well.
 class CellTable {
   public:
     static constexpr std::uint32_t kNone = 0xffffffffU;
     static constexpr unsigned kChunkBits = 14;
     static constexpr std::uint32_t kChunk = 1U << kChunkBits;  ///< cells; memory grows by so many
 
-    CellTable(ooc::Context& context, std::uint64_t expected_cells, bool has_attributes);
+    CellTable(ooc::Context& context, std::uint64_t expected_cells, CellExtras extras);
 
     /// `spill` is called with nobody admitted; afterwards the table is cleared. `is_overdue`: other
     /// reasons to spill; cheap, called by any thread.
@@ -68,7 +68,10 @@ class CellTable {
     AttributeSums& attributes(std::uint32_t slot) {
         return attributes_[slot >> kChunkBits][slot & kChunkMask];
     }
-    [[nodiscard]] bool has_attributes() const { return has_attributes_; }
+    WeightSums& weights(std::uint32_t slot) {
+        return weights_[slot >> kChunkBits][slot & kChunkMask];
+    }
+    [[nodiscard]] const CellExtras& extras() const { return extras_; }
 
     /// Calls visit(key, slot) for every cell, in no particular order. No Admission may be alive.
     template <typename Visit>
@@ -93,7 +96,7 @@ class CellTable {
     [[nodiscard]] bool has_room(std::uint64_t n_cells) const;
 
     ooc::Context& context_;
-    bool has_attributes_;
+    CellExtras extras_;
     std::shared_mutex mutex_;
     std::atomic<std::uint64_t> size_{0};
     std::atomic<std::uint64_t> admitted_{0};
@@ -102,6 +105,7 @@ class CellTable {
     ooc::Array<std::uint32_t> ids_;
     std::vector<ooc::Array<CellSums>> sums_;
     std::vector<ooc::Array<AttributeSums>> attributes_;
+    std::vector<ooc::Array<WeightSums>> weights_;
     Overflow overflow_;
     std::atomic<std::uint64_t> epoch_{0};
 };

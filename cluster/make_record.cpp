@@ -133,4 +133,10 @@ CellAttributes make_attributes(const AttributeSums& sums, const FixedPoint& fixe
     return a;
 }
 
+float make_weight(const WeightSums& sums) {
+    if (sums.n_vertices == 0) return 1;
+    return static_cast<float>(static_cast<double>(sums.sum) /
+                              (kWeightScale * static_cast<double>(sums.n_vertices)));
+}
+
 }  // namespace hewer::cluster

@@ -27,4 +27,7 @@ std::optional<BorderLine> border_line(const CellSums& sums, const FixedPoint& fi
 
 CellAttributes make_attributes(const AttributeSums& sums, const FixedPoint& fixed);
 
+/// The mean; 1 where there is no vertex.
+float make_weight(const WeightSums& sums);
+
 }  // namespace hewer::cluster

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "cluster/vertex_store.h"
 
+#include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <map>
@@ -10,6 +12,7 @@
 
 #include "cluster/vertex_pages.h"
 #include "hewer/error.h"
+#include "hewer/options.h"
 #include "ooc/parallel.h"
 
 namespace hewer::cluster {
@@ -45,6 +48,16 @@ void add_vertex(const VertexBatch& batch, std::uint64_t i, AttributeSums& sums) 
     }
 }
 
+/// What a weight counts as. Returns whether it is a good one.
+bool add_weight(float weight, WeightSums& sums) {
+    const auto w = static_cast<double>(weight);
+    const bool is_number = w >= 0;
+    sums.sum += static_cast<std::uint64_t>(
+        round_to_int(kWeightScale * (is_number ? std::min(w, kMostWeight) : 1)));
+    ++sums.n_vertices;
+    return is_number && w <= kMostWeight;
+}
+
 /// One worker's view of the pass over the attributes. Vertices near each other in the file are so
 /// in space: what goes to one cell is added up first, since another worker may be at the cells
 /// beside it, in the same cache lines.
@@ -58,30 +71,37 @@ class AttributeAccumulator {
             empty(pending);
             pending.slot = slot;
         }
-        add_vertex(batch, i, pending.sums);
+        if (table_.extras().attributes) add_vertex(batch, i, pending.sums);
+        if (table_.extras().weights && !add_weight(batch.weights[i], pending.weights)) {
+            ++n_bad_weights_;
+        }
     }
     /// Before an Admission ends.
     void flush() {
         for (Pending& pending : pending_) empty(pending);
     }
+    [[nodiscard]] std::uint64_t n_bad_weights() const { return n_bad_weights_; }
 
   private:
     struct Pending {
         std::uint32_t slot = CellTable::kNone;
         AttributeSums sums{};
+        WeightSums weights{};
     };
     void empty(Pending& pending) {
         if (pending.slot == CellTable::kNone) return;
         {
             std::uint32_t unshared = 0;
             const FieldLock lock(is_shared_ ? table_.sums(pending.slot).lock : unshared);
-            table_.attributes(pending.slot) += pending.sums;
+            if (table_.extras().attributes) table_.attributes(pending.slot) += pending.sums;
+            if (table_.extras().weights) table_.weights(pending.slot) += pending.weights;
         }
         pending = {};
     }
 
     CellTable& table_;
     bool is_shared_;
+    std::uint64_t n_bad_weights_ = 0;
     static constexpr std::uint32_t kPending = 64;
     std::array<Pending, kPending> pending_;
 };
@@ -243,8 +263,10 @@ ooc::Spool<LatticePoint> spool_vertices(ooc::Context& context, MeshSource& sourc
     return spool;
 }
 
-void add_vertex_attributes(ooc::Context& context, MeshSource& source, const Lattice& lattice,
-                           const UniformGrid& grid, CellTable& table, const VertexPages* pages) {
+std::uint64_t add_vertex_attributes(ooc::Context& context, MeshSource& source,
+                                    const Lattice& lattice, const UniformGrid& grid,
+                                    CellTable& table, const VertexPages* pages) {
+    std::atomic<std::uint64_t> n_bad_weights{0};
     const std::uint64_t n_admitted = table.share();
     source.begin_vertices();
     context.workers().on_each([&](unsigned) {
@@ -281,7 +303,9 @@ void add_vertex_attributes(ooc::Context& context, MeshSource& source, const Latt
             }
             context.advance(n);
         }
+        n_bad_weights.fetch_add(accumulator.n_bad_weights(), std::memory_order_relaxed);
     });
+    return n_bad_weights;
 }
 
 }  // namespace hewer::cluster

@@ -49,11 +49,13 @@ VertexStore load_vertices(ooc::Context& context, MeshSource& source, const Bound
 ooc::Spool<LatticePoint> spool_vertices(ooc::Context& context, MeshSource& source,
                                         const Bounds& bounds, const Lattice& lattice);
 
-/// Adds normals and colours of the vertices to their cells: one more pass over the vertices. After
-/// the triangles, `pages` know the cells of most vertices that are in memory; null if there are no
-/// pages. Of the others the cells are looked up.
-void add_vertex_attributes(ooc::Context& context, MeshSource& source, const Lattice& lattice,
-                           const UniformGrid& grid, CellTable& table, const VertexPages* pages);
+/// Adds normals, colours and weights of the vertices to their cells: one more pass over the
+/// vertices. After the triangles, `pages` know the cells of most vertices that are in memory; null
+/// if there are no pages. Of the others the cells are looked up. Returns how many weights were bad
+/// (InputDefects::bad_weights).
+std::uint64_t add_vertex_attributes(ooc::Context& context, MeshSource& source,
+                                    const Lattice& lattice, const UniformGrid& grid,
+                                    CellTable& table, const VertexPages* pages);
 
 /// Throws FormatError naming the source and the box.
 [[noreturn]] void throw_outside_bounds(const MeshSource& source, const std::string& what);

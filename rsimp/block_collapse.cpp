@@ -68,7 +68,8 @@ class LevelCollapse {
     [[nodiscard]] std::uint64_t bytes_for(std::size_t b) const {
         const std::uint64_t n = blocks_.n_vertices(b);
         const std::uint64_t f = blocks_.n_faces(b);
-        return n * sizeof(StoredVertex) + f * sizeof(LocalFace) + EdgeCollapse::bytes_for(n, f);
+        return n * (sizeof(StoredVertex) + blocks_.attributes().bytes()) + f * sizeof(LocalFace) +
+               EdgeCollapse::bytes_for(n, f, blocks_.attributes().quadrics);
     }
 
     Log run_block(std::size_t b, const CollapseLimit& limit) {

@@ -38,10 +38,7 @@ BlockMesh ClusterInput::load(std::size_t first, std::size_t last) const {
                 {vertex_id(begin + i, 0), vertices[i], n_cells[i], VertexFlags::kRaw});
         }
     }
-    if (has_attributes()) {
-        mesh.attributes.resize(n);
-        mesh_.attributes.read(begin, mesh.attributes);
-    }
+    mesh_.attributes.read(begin, n, mesh.attributes);
     ooc::SpoolReader<CellTriple> faces(mesh_.faces, mesh_.blocks[first].first_face,
                                        mesh_.blocks[last].first_face);
     while (const CellTriple* face = faces.next()) {
@@ -107,10 +104,7 @@ BlockMesh StoreInput::load(std::size_t first, std::size_t last) const {
     mesh.vertices.resize(first_vertex_[last] - first_vertex_[first]);
     mesh_.vertices.read(first_vertex_[first], mesh.vertices);
     for (StoredVertex& v : mesh.vertices) v.flags = 0;
-    if (has_attributes()) {
-        mesh.attributes.resize(mesh.vertices.size());
-        mesh_.attributes.read(first_vertex_[first], mesh.attributes);
-    }
+    mesh_.attributes.read(first_vertex_[first], mesh.vertices.size(), mesh.attributes);
     const VertexId end = vertex_id(first_cluster_[last], 0);
     ooc::SpoolReader<Face> faces(mesh_.faces, first_face_[first], first_face_[last]);
     while (const Face* face = faces.next()) {

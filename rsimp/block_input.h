@@ -19,7 +19,7 @@ class BlockInput {
   public:
     virtual ~BlockInput() = default;
     [[nodiscard]] virtual Vec3 origin() const = 0;
-    [[nodiscard]] virtual bool has_attributes() const = 0;
+    [[nodiscard]] virtual AttributeKinds attributes() const = 0;
     /// Vertices in each box.
     [[nodiscard]] virtual const std::vector<std::uint64_t>& counts() const = 0;
     /// The boxes [first, last) as one mesh: their vertices, and the faces all of whose corners are
@@ -34,7 +34,7 @@ class ClusterInput final : public BlockInput {
   public:
     explicit ClusterInput(const ClusterMesh& mesh);
     [[nodiscard]] Vec3 origin() const override { return mesh_.origin; }
-    [[nodiscard]] bool has_attributes() const override { return !mesh_.attributes.empty(); }
+    [[nodiscard]] AttributeKinds attributes() const override { return mesh_.attributes.kinds(); }
     [[nodiscard]] const std::vector<std::uint64_t>& counts() const override { return counts_; }
     [[nodiscard]] BlockMesh load(std::size_t first, std::size_t last) const override;
     [[nodiscard]] std::vector<Face> crossing(std::size_t first, std::size_t last) const override;
@@ -49,7 +49,7 @@ class StoreInput final : public BlockInput {
     /// `first_cluster` of each box, and the end. One pass over the mesh.
     StoreInput(const MeshStore& mesh, std::span<const std::uint64_t> first_cluster);
     [[nodiscard]] Vec3 origin() const override { return mesh_.origin; }
-    [[nodiscard]] bool has_attributes() const override { return !mesh_.attributes.empty(); }
+    [[nodiscard]] AttributeKinds attributes() const override { return mesh_.attributes.kinds(); }
     [[nodiscard]] const std::vector<std::uint64_t>& counts() const override { return counts_; }
     [[nodiscard]] BlockMesh load(std::size_t first, std::size_t last) const override;
     [[nodiscard]] std::vector<Face> crossing(std::size_t first, std::size_t last) const override;

@@ -25,11 +25,11 @@ void keep_vertices(BlockMesh& mesh, const std::vector<bool>& is_kept) {
     for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
         if (!is_kept[v]) continue;
         mesh.vertices[n] = mesh.vertices[v];
-        if (!mesh.attributes.empty()) mesh.attributes[n] = mesh.attributes[v];
+        mesh.attributes.copy(v, n);
         new_index[v] = n++;
     }
     mesh.vertices.resize(n);
-    if (!mesh.attributes.empty()) mesh.attributes.resize(n);
+    mesh.attributes.truncate(n);
     for (LocalFace& face : mesh.faces) {
         for (std::uint32_t& v : face) v = new_index[v];
     }
@@ -44,15 +44,13 @@ void sort_vertices(BlockMesh& mesh) {
         return by_id(mesh.vertices[a], mesh.vertices[b]);
     });
     std::vector<StoredVertex> vertices(order.size());
-    std::vector<cluster::CellAttributes> attributes(mesh.attributes.size());
     std::vector<std::uint32_t> new_index(order.size());
     for (std::uint32_t i = 0; i < order.size(); ++i) {
         vertices[i] = mesh.vertices[order[i]];
-        if (!attributes.empty()) attributes[i] = mesh.attributes[order[i]];
         new_index[order[i]] = i;
     }
     mesh.vertices = std::move(vertices);
-    mesh.attributes = std::move(attributes);
+    mesh.attributes.reorder(order);
     for (LocalFace& face : mesh.faces) {
         for (std::uint32_t& v : face) v = new_index[v];
     }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "rsimp/mesh_store.h"
+#include "rsimp/vertex_attributes.h"
 
 namespace hewer::rsimp {
 
@@ -34,8 +35,8 @@ struct VertexFlags {
 };
 
 struct BlockMesh {
-    std::vector<StoredVertex> vertices;               ///< rising ids
-    std::vector<cluster::CellAttributes> attributes;  ///< parallel to vertices, or empty
+    std::vector<StoredVertex> vertices;  ///< rising ids
+    VertexAttributes attributes;
     std::vector<LocalFace> faces;
 
     [[nodiscard]] bool is_free(std::uint32_t v) const {

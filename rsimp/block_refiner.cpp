@@ -79,7 +79,8 @@ void BlockRefiner::sweep(std::uint64_t bytes_per_cell, const Grow& grow) {
     const LargestBlock largest(blocks_);
     const BlocksInFlight in_flight(
         context_, "cluster trees",
-        BlockTree::bytes_for(largest.n_cells, largest.n_faces, priority_) +
+        BlockTree::bytes_for(largest.n_cells, largest.n_faces, priority_,
+                             !blocks_.attribute_quadrics.empty()) +
             largest.n_cells * (2 * sizeof(LocalCell) + sizeof(double) + bytes_per_cell));
     Cuts grown(context_);
     in_flight.sweep<Work>(

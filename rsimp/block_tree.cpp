@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <span>
 #include <utility>
 
 namespace hewer::rsimp {
@@ -20,6 +21,11 @@ constexpr std::uint32_t kMostCellsForComponents = 1024;
 constexpr std::uint8_t kPartGenerations = 2;
 constexpr double kNoSplit = -1;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Vec3 mean_of(const CellRecord& cell) {
+    return {static_cast<double>(cell.mean[0]), static_cast<double>(cell.mean[1]),
+            static_cast<double>(cell.mean[2])};
+}
 
 }  // namespace
 
@@ -55,6 +61,8 @@ void BlockTree::load(const cluster::CellBlocks& blocks, std::size_t block, Prior
         ooc::SpoolReader<cluster::CellAttributes> attributes(blocks.attributes, first, last);
         while (const auto* a = attributes.next()) face_normals_.push_back(a->face_normal);
     }
+    attributes_.resize(blocks.attribute_quadrics.empty() ? 0 : n);
+    if (!attributes_.empty()) blocks.attribute_quadrics.read(first, std::span(attributes_));
     split_keys_.assign(n, kNoSplit);
     for (std::size_t i = 0; i < cut.begins.size(); ++i) split_keys_[cut.begins[i]] = cut.keys[i];
 }
@@ -158,6 +166,13 @@ BlockTree::Node BlockTree::make_node(std::uint32_t begin, std::uint32_t end, dou
             }
         }
     }
+    if (!attributes_.empty()) {
+        cluster::AttributeQuadric attributes;
+        for (std::uint32_t i = begin; i < end; ++i) {
+            attributes += attributes_[cells_[i].id].at(mean_of(cells_[i]));
+        }
+        sums.quadric += attributes.reduced();
+    }
     const cluster::Eigen3 eigen = cluster::eigen_decomposition(sums.quadric.a);
     if (n_due > 0) {
         node.key = parent_key;
@@ -188,9 +203,7 @@ void BlockTree::swap_cells(std::uint32_t i, std::uint32_t j) {
 std::uint32_t BlockTree::partition_by_plane(const Node& node) {
     const Vec3& d = node.plane.direction;
     const auto is_second = [&](const CellRecord& cell) {
-        const Vec3 p{static_cast<double>(cell.mean[0]), static_cast<double>(cell.mean[1]),
-                     static_cast<double>(cell.mean[2])};
-        return dot(d, p) > node.plane.offset;
+        return dot(d, mean_of(cell)) > node.plane.offset;
     };
     std::uint32_t i = node.begin;
     std::uint32_t j = node.end;

@@ -43,10 +43,11 @@ class BlockTree {
     static constexpr std::uint64_t kBytesPerSplit = 2 * sizeof(Node);
 
     static constexpr std::uint64_t bytes_for(std::uint64_t n_cells, std::uint64_t n_faces,
-                                             Priority priority) {
+                                             Priority priority, bool has_attribute_quadrics) {
         const std::uint64_t per_cell =
             sizeof(cluster::CellRecord) + sizeof(LocalCell) + sizeof(double) +
-            (priority == Priority::NormalVariation ? sizeof(std::array<float, 3>) : 0);
+            (priority == Priority::NormalVariation ? sizeof(std::array<float, 3>) : 0) +
+            (has_attribute_quadrics ? sizeof(cluster::CellAttributeQuadric) : 0);
         return n_cells * per_cell + CellGraph::bytes_for(n_cells, n_faces) +
                3 * ooc::SpoolReader<cluster::CellRecord>::kBufferBytes;
     }
@@ -81,9 +82,10 @@ class BlockTree {
     /// In the order of the clusters; means in the block's frame, which begins at the centre of a
     /// cell; ids are places in the block.
     std::vector<cluster::CellRecord> cells_;
-    std::vector<std::array<float, 3>> face_normals_;  // by place in the block
-    std::vector<LocalCell> position_;                 // by place in the block: where in cells_
-    std::vector<double> split_keys_;                  // by place in cells_: BlockCut::keys, or < 0
+    std::vector<std::array<float, 3>> face_normals_;         // by place in the block
+    std::vector<cluster::CellAttributeQuadric> attributes_;  // the same; empty: they do not count
+    std::vector<LocalCell> position_;  // by place in the block: where in cells_
+    std::vector<double> split_keys_;   // by place in cells_: BlockCut::keys, or < 0
     std::vector<Node> open_;
     std::vector<std::uint32_t> labels_;
 };

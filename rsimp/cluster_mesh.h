@@ -10,6 +10,7 @@
 #include "cluster/cell_blocks.h"
 #include "cluster/quadric.h"
 #include "ooc/spool.h"
+#include "rsimp/vertex_attributes.h"
 
 namespace hewer::rsimp {
 
@@ -32,9 +33,9 @@ struct ClusterMesh {
     };
 
     Vec3 origin{};  ///< of all coordinates here, in cells from the lattice origin
-    ooc::Spool<CollapseVertex> vertices;             ///< by cluster id
-    ooc::Spool<std::uint32_t> n_cells;               ///< by cluster id
-    ooc::Spool<cluster::CellAttributes> attributes;  ///< by cluster id; empty if there are none
+    ooc::Spool<CollapseVertex> vertices;  ///< by cluster id
+    ooc::Spool<std::uint32_t> n_cells;    ///< by cluster id
+    AttributeSpools attributes;           ///< by cluster id
     /// Cluster ids, three different ones. Each face is once in the list of a block that has at
     /// least one of its corners; duplicates and opposite pairs are still there.
     ooc::Spool<CellTriple> faces;

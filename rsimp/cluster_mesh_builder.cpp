@@ -21,21 +21,28 @@ using cluster::CellRecord;
 
 namespace {
 
+AttributeKinds kinds_of(const CellBlocks& blocks) {
+    return {!blocks.attributes.empty(), !blocks.attribute_quadrics.empty()};
+}
+
 /// A block's cells, and the clusters that they come to.
 struct BlockClusters {
     // By cell of the block.
     std::vector<CellRecord> cells;
     std::vector<std::uint64_t> codes;
     std::vector<CellAttributes> cell_attributes;
+    std::vector<cluster::CellAttributeQuadric> cell_quadrics;
     CellGroups groups;
     std::vector<std::uint32_t> cluster_of_cell;  // places in `vertices`
     // By cluster.
     std::vector<CollapseVertex> vertices;
     std::vector<std::uint32_t> n_cells;
-    std::vector<CellAttributes> attributes;
+    VertexAttributes attributes;
 
-    static std::uint64_t bytes_for(const LargestBlock& largest, bool has_attributes) {
-        const std::uint64_t attributes = has_attributes ? 2 * sizeof(CellAttributes) : 0;
+    static std::uint64_t bytes_for(const LargestBlock& largest, AttributeKinds kinds) {
+        const std::uint64_t attributes =
+            kinds.bytes() + (kinds.sums ? sizeof(CellAttributes) : 0) +
+            (kinds.quadrics ? sizeof(cluster::CellAttributeQuadric) : 0);
         return largest.n_cells *
                (sizeof(CellRecord) + sizeof(std::uint64_t) + 2 * sizeof(LocalCell) +
                 2 * sizeof(std::uint32_t) + sizeof(CollapseVertex) + attributes);
@@ -54,11 +61,13 @@ std::array<float, 6> box_around(const Vec3& low, const Vec3& high, const Vec3& s
     return box;
 }
 
+Vec3 position_of(const ClusterSums& sums) {
+    return representative(sums, cluster::eigen_decomposition(sums.quadric.a));
+}
+
 /// `shift` takes the frame of the sums to the origin of the mesh.
 CollapseVertex make_vertex(const ClusterSums& sums, const Vec3& shift) {
-    const cluster::Eigen3 eigen = cluster::eigen_decomposition(sums.quadric.a);
-    return {representative(sums, eigen) + shift,
-            sums.quadric.relative_to({-shift[0], -shift[1], -shift[2]}),
+    return {position_of(sums) + shift, sums.quadric.relative_to({-shift[0], -shift[1], -shift[2]}),
             box_around(sums.low, sums.high, shift)};
 }
 
@@ -73,6 +82,23 @@ void load_cells(const CellBlocks& blocks, std::size_t b, BlockClusters& block) {
         block.cell_attributes.resize(n);
         blocks.attributes.read(first, std::span(block.cell_attributes));
     }
+    if (!blocks.attribute_quadrics.empty()) {
+        block.cell_quadrics.resize(n);
+        blocks.attribute_quadrics.read(first, std::span(block.cell_quadrics));
+    }
+}
+
+/// What the attributes of a cluster's cells add to its error, in the frame.
+cluster::AttributeQuadric sum_attributes(std::span<const LocalCell> cells, const Vec3& frame,
+                                         const BlockClusters& block) {
+    cluster::AttributeQuadric sum;
+    for (const LocalCell i : cells) {
+        const auto& mean = block.cells[i].mean;
+        const Vec3 in_cell{static_cast<double>(mean[0]), static_cast<double>(mean[1]),
+                           static_cast<double>(mean[2])};
+        sum += block.cell_quadrics[i].at(cluster::center_of(block.codes[i]) - frame + in_cell);
+    }
+    return sum;
 }
 
 /// Cluster `k` of the block, from its cells by rising place in the block.
@@ -93,9 +119,15 @@ void make_cluster(std::span<const LocalCell> cells, const Vec3& origin, std::siz
     }
     block.vertices[k] = make_vertex(sums, frame - origin);
     block.n_cells[k] = static_cast<std::uint32_t>(cells.size());
+    if (!block.cell_quadrics.empty()) {
+        const cluster::AttributeQuadric attributes = sum_attributes(cells, frame, block);
+        block.attributes.quadrics[k] = attributes.relative_to(origin - frame);
+        sums.quadric += attributes.reduced();
+        block.vertices[k].position = position_of(sums) + (frame - origin);
+    }
     if (block.cell_attributes.empty()) return;
-    block.attributes[k] = {};
-    for (const LocalCell i : cells) block.attributes[k] += block.cell_attributes[i];
+    block.attributes.sums[k] = {};
+    for (const LocalCell i : cells) block.attributes.sums[k] += block.cell_attributes[i];
 }
 
 void make_clusters(ooc::Context& context, const Vec3& origin, BlockClusters& block) {
@@ -109,7 +141,7 @@ void make_clusters(ooc::Context& context, const Vec3& origin, BlockClusters& blo
     block.cluster_of_cell.resize(n_cells);
     block.vertices.resize(n);
     block.n_cells.resize(n);
-    if (!block.cell_attributes.empty()) block.attributes.resize(n);
+    block.attributes.resize(n, {!block.cell_attributes.empty(), !block.cell_quadrics.empty()});
     // A model of few blocks leaves threads idle that can help here.
     constexpr std::uint64_t kGrain = 1024;
     context.workers().for_ranges(n, kGrain, [&](std::uint64_t first, std::uint64_t last) {
@@ -127,7 +159,7 @@ void add_vertices(ooc::Context& context, const CellBlocks& blocks, const GroupCe
                   ClusterMesh& mesh) {
     const LargestBlock largest(blocks);
     const BlocksInFlight in_flight(context, "clusters of a block",
-                                   BlockClusters::bytes_for(largest, !blocks.attributes.empty()));
+                                   BlockClusters::bytes_for(largest, kinds_of(blocks)));
     in_flight.sweep<BlockClusters>(
         blocks.n_blocks(),
         [&](std::uint64_t b, BlockClusters& block) {
@@ -144,7 +176,7 @@ void add_vertices(ooc::Context& context, const CellBlocks& blocks, const GroupCe
             mesh.blocks[b] = {blocks.blocks[b].box, first, 0};
             mesh.vertices.append(block.vertices);
             mesh.n_cells.append(block.n_cells);
-            if (!block.attributes.empty()) mesh.attributes.append(block.attributes);
+            mesh.attributes.append(block.attributes);
         });
 }
 
@@ -212,7 +244,7 @@ ClusterMesh build_cluster_mesh(ooc::Context& context, const CellBlocks& blocks,
     mesh.is_closed = blocks.n_border_cells == 0;
     mesh.vertices = {context, "cluster vertices"};
     mesh.n_cells = {context, "cells of clusters"};
-    if (!blocks.attributes.empty()) mesh.attributes = {context, "cluster attributes"};
+    mesh.attributes = {context, kinds_of(blocks)};
     mesh.faces = {context, "cluster faces"};
     mesh.blocks.resize(blocks.n_blocks() + 1);
     mesh.cluster_of_cell = {context, "clusters of cells"};

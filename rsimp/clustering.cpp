@@ -166,18 +166,19 @@ class Pass {
         const SourceInfo& info = source_.info();
         const bool with_face_normals = options_.priority == SplitPriority::NormalVariation;
         const bool with_attributes = info.has_normals || info.has_colors;
-        const bool has_attributes = with_face_normals || with_attributes;
+        const cluster::CellExtras extras(with_face_normals || with_attributes,
+                                         info.is_indexed && info.has_weights);
         const std::uint64_t window = window_bytes();
-        const std::uint64_t most_cells = most_table_cells(has_attributes, window);
+        const std::uint64_t most_cells = most_table_cells(extras, window);
         const auto expected = static_cast<std::uint64_t>(expected_cells * 1.05) + 1024;
-        CellTable table(context_, std::min(expected, most_cells), has_attributes);
+        CellTable table(context_, std::min(expected, most_cells), extras);
         std::optional<VertexPages> pages;
         if (info.is_indexed) make_pages(table, window, pages);
 
         std::atomic<std::uint64_t> n_pieces{0};
         std::vector<TripleList> triples;
         for (unsigned t = 0; t < context_.n_threads(); ++t) triples.emplace_back(&n_pieces);
-        CellRuns runs(context_, has_attributes);
+        CellRuns runs(context_, extras);
         const auto most_pieces =
             context_.n_threads() + static_cast<std::uint64_t>(CellRuns::kTriplesPerCell *
                                                               static_cast<double>(most_cells)) /
@@ -185,10 +186,11 @@ class Pass {
         table.set_overflow(
             {most_cells, [&] { runs.add(table, triples); },
              [&] { return n_pieces.load(std::memory_order_relaxed) > most_pieces; }});
+        std::uint64_t n_bad_weights = 0;
         const auto add_attributes = [&] {
-            if (!with_attributes || !info.is_indexed) return;
-            cluster::add_vertex_attributes(context_, source_, lattice_, grid, table,
-                                           pages ? &*pages : nullptr);
+            if (!info.is_indexed || !(with_attributes || extras.weights)) return;
+            result.defects.bad_weights = cluster::add_vertex_attributes(
+                context_, source_, lattice_, grid, table, pages ? &*pages : nullptr);
             ++report_.input.vertex_passes;
         };
         // A file in order spills each cell about once.
@@ -241,7 +243,8 @@ class Pass {
                 : context_.budget().limit() / kWindowShare / VertexPages::kPageBytes;
         return std::max(least, wanted) * VertexPages::kPageBytes;
     }
-    [[nodiscard]] std::uint64_t most_table_cells(bool has_attributes, std::uint64_t window) const {
+    [[nodiscard]] std::uint64_t most_table_cells(const cluster::CellExtras& extras,
+                                                 std::uint64_t window) const {
         if (options_.tuning.table_cells != 0) return options_.tuning.table_cells;
         const std::uint64_t taken = context_.budget().limit() / kSpareShare + kSpareBytes + window +
                                     (vertices_.store.points.size() * 16) +
@@ -249,8 +252,7 @@ class Pass {
                                     slack_bytes(context_.budget().limit());
         const std::uint64_t limit = context_.budget().limit();
         const double left = limit > taken ? static_cast<double>(limit - taken) : 0;
-        const auto fit =
-            static_cast<std::uint64_t>(left / CellRuns::bytes_per_cell(has_attributes));
+        const auto fit = static_cast<std::uint64_t>(left / CellRuns::bytes_per_cell(extras));
         // The table grows by whole chunks.
         return std::clamp<std::uint64_t>(fit - fit % CellTable::kChunk, kLeastTableCells,
                                          CellTable::kNone - 1);

@@ -22,7 +22,7 @@ void apply_steps(BlockMesh& mesh, std::span<const CollapseStep> steps,
             kept.vertex.box[3 + i] = std::max(kept.vertex.box[3 + i], gone.vertex.box[3 + i]);
         }
         kept.n_cells += gone.n_cells;
-        if (!mesh.attributes.empty()) mesh.attributes[step.kept] += mesh.attributes[step.gone];
+        mesh.attributes.merge(step.kept, step.gone);
         parent[step.gone] = step.kept;
         is_kept[step.gone] = false;
         if (merges != nullptr) merges->emplace_back(gone.id, kept.id);

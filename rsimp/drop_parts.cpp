@@ -143,8 +143,8 @@ CellBlocks drop_parts(ooc::Context& context, CellBlocks cells, const SimplifyOpt
         throw InvalidArgument(text.str());
     }
     const KeptCells kept = choose_cells(context, cells, faced, boxes, parts);
-    CellBlocks result =
-        cluster::make_cell_blocks(context, cells.lattice, cells.grid, !cells.attributes.empty());
+    CellBlocks result = cluster::make_cell_blocks(context, cells.lattice, cells.grid,
+                                                  cluster::CellExtras(!cells.attributes.empty()));
     result.is_consistently_wound = cells.is_consistently_wound;
     copy_cells(context, cells, kept, {}, most_cells, result);
     copy_borders(cells, kept, result);

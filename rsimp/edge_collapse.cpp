@@ -44,6 +44,7 @@ bool contains(const LocalFace& t, std::uint32_t v) {
 
 EdgeCollapse::EdgeCollapse(const BlockMesh& mesh, std::optional<double> most_displacement)
     : most_displacement_(most_displacement),
+      attributes_(mesh.attributes.quadrics),
       is_free_(mesh.vertices.size()),
       is_border_(mesh.vertices.size()),
       faces_(mesh.faces),
@@ -180,7 +181,9 @@ double EdgeCollapse::shape_penalty(std::uint32_t u, std::uint32_t v, const Vec3&
 }
 
 EdgeQuadric EdgeCollapse::edge_quadric(std::uint32_t u, std::uint32_t v) const {
-    EdgeQuadric edge(vertices_[u], vertices_[v]);
+    EdgeQuadric edge = attributes_.empty() ? EdgeQuadric(vertices_[u], vertices_[v])
+                                           : EdgeQuadric(vertices_[u], vertices_[v], attributes_[u],
+                                                         attributes_[v]);
     if (is_border_[u] != is_border_[v]) edge.optimum = vertices_[is_border_[u] ? u : v].position;
     return edge;
 }
@@ -306,6 +309,7 @@ void EdgeCollapse::collapse(std::uint32_t u, std::uint32_t v) {
     CollapseVertex& kept = vertices_[u];
     const CollapseVertex& gone = vertices_[v];
     kept.quadric += gone.quadric;
+    if (!attributes_.empty()) attributes_[u] += attributes_[v];
     for (std::size_t i = 0; i < 3; ++i) {
         kept.box[i] = std::min(kept.box[i], gone.box[i]);
         kept.box[3 + i] = std::max(kept.box[3 + i], gone.box[3 + i]);

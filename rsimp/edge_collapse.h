@@ -52,8 +52,11 @@ class EdgeCollapse {
     /// No edge is left that could be collapsed.
     [[nodiscard]] bool is_finished() const { return queue_.empty(); }
 
-    static constexpr std::uint64_t bytes_for(std::uint64_t n_vertices, std::uint64_t n_faces) {
-        return n_vertices * (128 + 4 + 8 + 8 + 20 + 40) + n_faces * (12 + 12);
+    static constexpr std::uint64_t bytes_for(std::uint64_t n_vertices, std::uint64_t n_faces,
+                                             bool has_attribute_quadrics) {
+        return n_vertices * (128 + 4 + 8 + 8 + 20 + 40 +
+                             (has_attribute_quadrics ? sizeof(cluster::AttributeQuadric) : 0)) +
+               n_faces * (12 + 12);
     }
 
   private:
@@ -101,6 +104,7 @@ class EdgeCollapse {
 
     std::optional<double> most_displacement_;
     std::vector<CollapseVertex> vertices_;
+    std::vector<cluster::AttributeQuadric> attributes_;  // empty where they do not count
     std::vector<bool> is_free_;
     std::vector<bool> is_border_;  // right for free vertices
     std::vector<LocalFace> faces_;

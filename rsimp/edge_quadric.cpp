@@ -45,6 +45,21 @@ Vec3 pulled_minimum(const cluster::Quadric& q, const Vec3& anchor) {
 
 EdgeQuadric::EdgeQuadric(const CollapseVertex& u, const CollapseVertex& v) : quadric(u.quadric) {
     quadric += v.quadric;
+    place(u, v);
+}
+
+EdgeQuadric::EdgeQuadric(const CollapseVertex& u, const CollapseVertex& v,
+                         const cluster::AttributeQuadric& attributes_u,
+                         const cluster::AttributeQuadric& attributes_v)
+    : quadric(u.quadric) {
+    quadric += v.quadric;
+    cluster::AttributeQuadric attributes = attributes_u;
+    attributes += attributes_v;
+    quadric += attributes.reduced();
+    place(u, v);
+}
+
+void EdgeQuadric::place(const CollapseVertex& u, const CollapseVertex& v) {
     const double wu = u.quadric.trace() + 1e-12;
     const double wv = v.quadric.trace() + 1e-12;
     optimum = pulled_minimum(quadric, (1 / (wu + wv)) * (wu * u.position + wv * v.position));

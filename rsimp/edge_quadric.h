@@ -4,12 +4,14 @@
 
 #include <algorithm>
 
+#include "cluster/attribute_quadric.h"
 #include "rsimp/cluster_mesh.h"
 
 namespace hewer::rsimp {
 
-/// The sum of two vertices' quadrics with its minimum, pulled a little towards the area-weighted
-/// mean of the ends and clamped to the box of the cells that both stand for.
+/// The sum of two vertices' quadrics, of attributes too where they count, with its minimum, pulled
+/// a little towards the area-weighted mean of the ends and clamped to the box of the cells that
+/// both stand for.
 struct EdgeQuadric {
     cluster::Quadric quadric;
     Vec3 optimum{};
@@ -19,12 +21,18 @@ struct EdgeQuadric {
     double scale = 1;  ///< of costs
 
     EdgeQuadric(const CollapseVertex& u, const CollapseVertex& v);
+    EdgeQuadric(const CollapseVertex& u, const CollapseVertex& v,
+                const cluster::AttributeQuadric& attributes_u,
+                const cluster::AttributeQuadric& attributes_v);
 
     /// Squared distances over the area, by the root of the area: between their sum, which gives up
     /// whatever is small, and their mean, which spends most on what is smallest.
     [[nodiscard]] double cost(const Vec3& x) const {
         return scale * (std::max(0.0, quadric.error(x)) + length_cost);
     }
+
+  private:
+    void place(const CollapseVertex& u, const CollapseVertex& v);
 };
 
 }  // namespace hewer::rsimp

@@ -20,7 +20,7 @@ ooc::Array<std::uint64_t> find_missing(ooc::Context& context, const MeshStore& m
                                       (mesh.vertices.size() + 63) / 64);
     bool is_any = false;
     std::uint64_t v = 0;
-    ooc::SpoolReader<cluster::CellAttributes> attributes(mesh.attributes);
+    ooc::SpoolReader<cluster::CellAttributes> attributes(mesh.attributes.sums);
     while (const cluster::CellAttributes* a = attributes.next()) {
         if (!is_usable_normal(a->normal)) {
             missing[v / 64] |= std::uint64_t{1} << (v % 64);

@@ -33,10 +33,7 @@ std::uint64_t add_fan_vertices(BlockMesh& mesh, const std::vector<std::uint32_t>
         fan.id = vertex_id(cluster_of(fan.id), next_fan != nullptr ? (*next_fan)++ : number);
         fan.n_cells = 0;  // the first fan answers for the cells
         mesh.vertices.push_back(fan);
-        if (!mesh.attributes.empty()) {
-            const cluster::CellAttributes attributes = mesh.attributes[v];
-            mesh.attributes.push_back(attributes);
-        }
+        mesh.attributes.repeat(v);
     }
     const auto origin = [&](std::uint32_t v) { return v < n_before ? v : extra[v - n_before]; };
     std::vector<Nudge> nudges(mesh.vertices.size());
@@ -59,6 +56,7 @@ std::uint64_t add_fan_vertices(BlockMesh& mesh, const std::vector<std::uint32_t>
         for (double& x : vertex.quadric.a) x *= share;
         for (double& x : vertex.quadric.b) x *= share;
         vertex.quadric.c *= share;
+        if (!mesh.attributes.quadrics.empty()) mesh.attributes.quadrics[v] *= share;
         const Nudge& nudge = nudges[v];
         if (nudge.n == 0) continue;
         vertex.position = vertex.position + (kNudge / nudge.n) * nudge.pull;

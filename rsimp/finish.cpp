@@ -19,8 +19,8 @@ namespace hewer::rsimp {
 namespace {
 
 // A block's mesh while it is made manifold or cut: vertices, faces, and as much again on the way.
-constexpr std::uint64_t bytes_to_prepare(std::uint64_t n_vertices) {
-    return n_vertices * (2 * sizeof(StoredVertex) + 2 * 110);
+constexpr std::uint64_t bytes_to_prepare(std::uint64_t n_vertices, AttributeKinds attributes) {
+    return n_vertices * 2 * (sizeof(StoredVertex) + attributes.bytes() + 110);
 }
 
 std::uint64_t excess(std::uint64_t have, std::uint64_t most) {
@@ -38,7 +38,7 @@ class Finisher::Level {
           input_(&input),
           counts_(input.counts()),
           block_vertices_(finisher.block_vertices_),
-          with_attributes_(input.has_attributes()) {
+          attributes_(input.attributes()) {
         group();
         ooc::Spool<Face> crossing(finisher_.context_, "faces between blocks");
         finisher_.context_.workers().in_order(
@@ -58,7 +58,7 @@ class Finisher::Level {
           rims_(std::move(before.next_rims_)),
           rim_boxes_(std::move(before.first_box_)),
           block_vertices_(before.block_vertices_),
-          with_attributes_(before.with_attributes_) {
+          attributes_(before.attributes_) {
         group();
         // Rims that hardly shrink would go on for ever.
         while (n_blocks() > 1 && n_blocks() + 1 >= rim_boxes_.size()) {
@@ -72,7 +72,7 @@ class Finisher::Level {
     /// Loads the blocks and makes them manifold.
     void prepare(FinishReport& report) {
         ooc::Context& context = finisher_.context_;
-        prepared_ = std::make_unique<PieceStore>(context, with_attributes_);
+        prepared_ = std::make_unique<PieceStore>(context, attributes_);
         std::uint64_t most = 0;
         for (const std::uint64_t n : block_counts_) most = std::max(most, n);
         struct Prepared {
@@ -81,10 +81,10 @@ class Finisher::Level {
             std::uint64_t n_open = 0;
         };
         context.workers().in_order(
-            n_blocks(), most_blocks_alive(context, bytes_to_prepare(most)),
+            n_blocks(), most_blocks_alive(context, bytes_to_prepare(most, attributes_)),
             [&](std::uint64_t b) {
-                const ooc::Reservation bytes =
-                    context.budget().reserve("a block", bytes_to_prepare(block_counts_[b]));
+                const ooc::Reservation bytes = context.budget().reserve(
+                    "a block", bytes_to_prepare(block_counts_[b], attributes_));
                 Prepared block{load(b), {}, 0};
                 block.counts = make_manifold(block.mesh, finisher_.is_closed_);
                 for (const StoredVertex& v : block.mesh.vertices) {
@@ -133,7 +133,7 @@ class Finisher::Level {
                   MeshStore& core) {
         ooc::Context& context = finisher_.context_;
         const CollapseLogs logs = collapse_blocks(context, *prepared_, n_open_, need);
-        next_rims_ = std::make_unique<PieceStore>(context, with_attributes_);
+        next_rims_ = std::make_unique<PieceStore>(context, attributes_);
         next_counts_.assign(counts_.size(), 0);
         using Merges = std::vector<std::pair<VertexId, VertexId>>;
         struct Cut {
@@ -142,13 +142,13 @@ class Finisher::Level {
         };
         std::uint64_t most = 0;
         for (std::size_t b = 0; b < n_blocks(); ++b) {
-            most = std::max(most, bytes_to_prepare(prepared_->n_vertices(b)));
+            most = std::max(most, bytes_to_prepare(prepared_->n_vertices(b), attributes_));
         }
         context.workers().in_order(
             n_blocks(), most_blocks_alive(context, most),
             [&](std::uint64_t b) {
-                const ooc::Reservation bytes =
-                    context.budget().reserve("a block", bytes_to_prepare(prepared_->n_vertices(b)));
+                const ooc::Reservation bytes = context.budget().reserve(
+                    "a block", bytes_to_prepare(prepared_->n_vertices(b), attributes_));
                 BlockMesh mesh = prepared_->load(b, b + 1);
                 const auto steps = logs.logs.load(b, logs.n_steps[b]);
                 Cut cut;
@@ -168,7 +168,7 @@ class Finisher::Level {
     }
 
     [[nodiscard]] bool is_last() const { return seams_->crossing().empty(); }
-    [[nodiscard]] bool has_attributes() const { return with_attributes_; }
+    [[nodiscard]] AttributeKinds attributes() const { return attributes_; }
 
   private:
     [[nodiscard]] std::uint64_t n_open() const {
@@ -224,7 +224,7 @@ class Finisher::Level {
     std::unique_ptr<PieceStore> rims_;    // of the blocks of the level before,
     std::vector<std::size_t> rim_boxes_;  // which began with these boxes
     std::uint64_t block_vertices_;
-    bool with_attributes_;
+    AttributeKinds attributes_;
     std::vector<std::size_t> first_box_;  // of each block, and the end
     std::vector<std::uint64_t> block_counts_;
     IdRanges ranges_;
@@ -278,7 +278,7 @@ MeshStore Finisher::run(const std::optional<CollapseTarget>& target, bool with_m
                 need.vertices = share(vertices);
             }
         }
-        parts.push_back(make_mesh_store(context_, origin_, level_->has_attributes()));
+        parts.push_back(make_mesh_store(context_, origin_, level_->attributes()));
         level_->collapse(need, with_merges, report, parts.back());
         n_faces += parts.back().faces.size();
         n_vertices += parts.back().vertices.size();

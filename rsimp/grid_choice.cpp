@@ -77,6 +77,8 @@ const char* shaping_option(const SimplifyOptions& options) {
     if (options.fit_rounds.value_or(0) > 0) return "a fit";
     if (options.topology == Topology::Keep) return "a topology that is kept";
     if (options.aggregate) return "joining parts";
+    if (options.color_weight > 0 || options.normal_weight > 0) return "a weight of attributes";
+    if (!options.weight_property.empty() || !options.focus.empty()) return "a weight of places";
     return nullptr;
 }
 
@@ -165,6 +167,30 @@ void check_options(const SimplifyOptions& options) {
     }
     if (!(options.border_weight >= 0 && std::isfinite(options.border_weight))) {
         throw InvalidArgument("the border weight must not be negative");
+    }
+    for (const double weight : {options.color_weight, options.normal_weight}) {
+        if (!(weight >= 0 && std::isfinite(weight))) {
+            throw InvalidArgument("the weights of colours and normals must not be negative");
+        }
+        if (weight > 0 && options.method == Method::Uniform) {
+            throw InvalidArgument(
+                "the uniform method looks at places alone; weights of colours and normals "
+                "contradict it");
+        }
+        if (weight > 0 && options.priority == SplitPriority::NormalVariation) {
+            throw InvalidArgument(
+                "the normal priority looks at directions of faces alone; weights of colours and "
+                "normals contradict it");
+        }
+    }
+    for (const FocusBox& focus : options.focus) {
+        if (focus.box.is_empty()) {
+            throw InvalidArgument(
+                "a box of interest is empty: each minimum must be at most its maximum");
+        }
+        if (!(focus.weight >= 0 && focus.weight <= kMostWeight)) {
+            throw InvalidArgument("the weight of a box of interest must be from 0 to 1000");
+        }
     }
     const auto is_length = [](const Target& t) {
         return is_error(t.kind) && t.value > 0 && std::isfinite(t.value);

@@ -49,6 +49,9 @@ inline constexpr double kCellsPerError = 8;
 inline constexpr double kCellsPerDistance = 2;
 inline constexpr double kMostSeparation = 4;
 
+/// Of the diagonal, that a difference of attributes by one counts as with a weight of one.
+inline constexpr double kAttributeUnit = 0.01;
+
 /// Vertices that a target comes to, from the number of faces in the input. For Error targets: 0.
 double target_vertices(const Target& target, std::uint64_t n_input_faces);
 

@@ -20,6 +20,7 @@ void check_strict(const std::string& name, const InputDefects& d) {
     refuse_any(d.nonfinite_triangles, " triangles have NaN or infinite coordinates");
     refuse_any(d.out_of_range_triangles, " triangles have a vertex index out of range");
     refuse_any(d.degenerate_triangles, " triangles have no area");
+    refuse_any(d.bad_weights, " vertices have a weight that is no number from 0 to 1000");
 }
 
 void warn_of(ooc::Context& context, const std::string& name, const InputDefects& d) {
@@ -34,6 +35,11 @@ void warn_of(ooc::Context& context, const std::string& name, const InputDefects&
                      " triangles with a vertex index out of range were left out, first " +
                      d.first_out_of_range);
     }
+    if (d.bad_weights > 0) {
+        context.warn(name + ": " + std::to_string(d.bad_weights) +
+                     " weights of vertices are no numbers from 0 to 1000: larger ones were taken as "
+                     "1000, others as 1");
+    }
 }
 
 }  // namespace
@@ -46,6 +52,7 @@ void describe_input(const SourceInfo& info, InputReport& input) {
     input.faces = info.n_faces;
     input.has_normals = info.has_normals;
     input.has_colors = info.has_colors;
+    input.has_weights = info.has_weights;
     input.textures = info.textures;
     input.ignored = info.ignored;
 }

@@ -28,6 +28,10 @@ std::uint16_t to_channel(float sum, float n) {
     return static_cast<std::uint16_t>(std::lround(std::clamp(sum / n, 0.0F, 65535.0F)));
 }
 
+std::uint16_t to_channel(double share) {
+    return static_cast<std::uint16_t>(std::lround(65535 * std::clamp(share, 0.0, 1.0)));
+}
+
 /// +z where there is no direction.
 std::array<float, 3> unit(const Vec3& n) {
     const double length = std::sqrt(dot(n, n));
@@ -151,14 +155,28 @@ LodOutput::VertexPiece LodOutput::make_vertices(const MeshStore& mesh, std::uint
         piece.positions.push_back(to_model(mesh.origin, v.vertex.position));
     }
     if (!format_.has_normals && !format_.has_colors) return piece;
-    std::vector<cluster::CellAttributes> attributes(n);
-    mesh.attributes.read(first, attributes);
-    for (const cluster::CellAttributes& a : attributes) {
+    VertexAttributes attributes;
+    mesh.attributes.read(first, n, attributes);
+    for (const cluster::CellAttributes& a : attributes.sums) {
         if (format_.has_normals) piece.normals.push_back(unit(to_double(a.normal)));
         if (format_.has_colors) {
             const float count = std::max(a.n_colors, 1.0F);
             piece.colors.push_back({to_channel(a.color[0], count), to_channel(a.color[1], count),
                                     to_channel(a.color[2], count), to_channel(a.color[3], count)});
+        }
+    }
+    if (attributes.quadrics.empty()) return piece;
+    for (std::size_t v = 0; v < n; ++v) {
+        const cluster::AttributeQuadric& q = attributes.quadrics[v];
+        const Vec3& x = vertices[v].vertex.position;
+        if (!(q.weight > 0)) continue;
+        if (format_.scales.color > 0) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                piece.colors[v][k] = to_channel(q.value(k, x) / format_.scales.color);
+            }
+        }
+        if (format_.scales.normal > 0 && is_usable_normal(attributes.sums[v].normal)) {
+            piece.normals[v] = unit({q.value(3, x), q.value(4, x), q.value(5, x)});
         }
     }
     return piece;

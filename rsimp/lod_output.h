@@ -12,6 +12,7 @@
 #include "hewer/report.h"
 #include "hewer/simplify.h"
 #include "ooc/context.h"
+#include "rsimp/attribute_fit.h"
 #include "rsimp/face_normals.h"
 #include "rsimp/face_window.h"
 #include "rsimp/id_index.h"
@@ -36,6 +37,7 @@ class LodOutput {
         bool has_colors;
         bool has_alpha;
         bool has_double_positions;
+        AttributeScales scales{};  ///< of the attribute quadrics
     };
 
     /// Faces that are ordered together. On an LOD of 4 M triangles .688 vertices a triangle are

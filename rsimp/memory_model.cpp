@@ -18,13 +18,15 @@
 #include "rsimp/fit_samples.h"
 #include "rsimp/grid_choice.h"
 #include "rsimp/mesh_store.h"
+#include "rsimp/vertex_attributes.h"
 
 namespace hewer::rsimp {
 
 namespace {
 
-using cluster::AttributeSums;
+using cluster::CellAttributeQuadric;
 using cluster::CellAttributes;
+using cluster::CellExtras;
 using cluster::CellRecord;
 using cluster::CellSums;
 
@@ -43,29 +45,42 @@ std::uint64_t faces_of(std::uint64_t n) {
     return static_cast<std::uint64_t>(kFacesPerCell * static_cast<double>(n));
 }
 
+CellExtras extras_of(const MemoryCounts& n) {
+    return {n.has_attributes, n.has_weights};
+}
+
+/// Of a vertex.
+std::uint64_t attribute_bytes(const MemoryCounts& n) {
+    return AttributeKinds{n.has_attributes, n.has_attribute_quadrics}.bytes();
+}
+
+/// Of a cell. The weights are gone before there are quadrics.
+std::uint64_t cell_attribute_bytes(const MemoryCounts& n) {
+    return (n.has_attributes ? sizeof(CellAttributes) : 0) +
+           std::max(n.has_attribute_quadrics ? sizeof(CellAttributeQuadric) : 0,
+                    n.has_weights ? sizeof(float) : 0);
+}
+
 /// Cells in blocks, on spools.
 std::uint64_t blocks_bytes(const MemoryCounts& n) {
-    return n.cells * (sizeof(std::uint64_t) + sizeof(CellRecord) +
-                      (n.has_attributes ? sizeof(CellAttributes) : 0)) +
+    return n.cells * (sizeof(std::uint64_t) + sizeof(CellRecord) + cell_attribute_bytes(n)) +
            faces_of(n.cells) * sizeof(cluster::CellTriple);
 }
 
 /// Clusters and their faces, on spools.
 std::uint64_t cluster_bytes(const MemoryCounts& n) {
-    return n.clusters * (sizeof(CollapseVertex) + sizeof(std::uint32_t) +
-                         (n.has_attributes ? sizeof(CellAttributes) : 0)) +
+    return n.clusters * (sizeof(CollapseVertex) + sizeof(std::uint32_t) + attribute_bytes(n)) +
            faces_of(n.clusters) * sizeof(cluster::CellTriple);
 }
 
 /// The same as mesh pieces of the finishing collapse.
 std::uint64_t piece_bytes(const MemoryCounts& n) {
-    return n.clusters * (sizeof(StoredVertex) + (n.has_attributes ? sizeof(CellAttributes) : 0)) +
+    return n.clusters * (sizeof(StoredVertex) + attribute_bytes(n)) +
            faces_of(n.clusters) * sizeof(cluster::CellTriple);
 }
 
 std::uint64_t lod_bytes(const MemoryCounts& n) {
-    return n.lod_vertices * (sizeof(StoredVertex) +
-                             (n.has_attributes ? sizeof(CellAttributes) : 0) + 2 * sizeof(Face));
+    return n.lod_vertices * (sizeof(StoredVertex) + attribute_bytes(n) + 2 * sizeof(Face));
 }
 
 /// Between cells and clusters: blocks, their cuts, the clusters of the cells.
@@ -96,6 +111,10 @@ std::uint64_t fit_bytes(const MemoryCounts& n) {
            n.lod_vertices * ((n.has_fit ? 3 : 1) * sizeof(Vec3) + sizeof(StoredVertex));
 }
 
+std::uint64_t sums_bytes(const MemoryCounts& n) {
+    return sizeof(CellSums) + extras_of(n).bytes();
+}
+
 bool has_resident_vertices(const MemoryCounts& n, std::uint64_t limit) {
     return 16 * n.vertices <= limit / kResidentShare;
 }
@@ -120,10 +139,20 @@ std::uint64_t least_memory_bytes(const MemoryCounts& n) {
     // Blocks of cells and of the mesh at work, their results, buffers of merges, tails of spools;
     // the table of pages of the vertices; ranks and components of the vertices of a level of
     // detail.
-    const std::uint64_t blocks = (n.has_attributes ? 40ULL : 30ULL) << 20;
+    const std::uint64_t blocks =
+        ((n.has_attributes ? 40ULL : 30ULL) + (n.has_attribute_quadrics ? 40ULL : 0ULL)) << 20;
     const std::uint64_t per_thread = 4ULL << 20;
     return ooc::MemoryBudget::kFixedBytes + blocks + n.n_threads * per_thread + n.vertices / 12 +
            n.lod_vertices * 5 + n.clusters / 4 + (n.joins_parts ? n.cells * kJoinBytes : 0);
+}
+
+void count_attributes(const SimplifyOptions& options, const SourceInfo& info,
+                      MemoryCounts& counts) {
+    counts.has_attributes =
+        info.has_normals || info.has_colors || options.priority == SplitPriority::NormalVariation;
+    counts.has_weights = info.has_weights && info.is_indexed;
+    counts.has_attribute_quadrics = (info.has_colors && options.color_weight > 0) ||
+                                    (info.has_normals && options.normal_weight > 0);
 }
 
 std::uint64_t least_limit(const SimplifyOptions& options, const SourceInfo& info) {
@@ -136,8 +165,7 @@ std::uint64_t least_limit(const SimplifyOptions& options, const SourceInfo& info
     MemoryCounts counts;
     counts.vertices = info.is_indexed ? info.n_vertices : 0;
     counts.n_threads = ooc::thread_count(options.n_threads);
-    counts.has_attributes =
-        info.has_normals || info.has_colors || options.priority == SplitPriority::NormalVariation;
+    count_attributes(options, info, counts);
     if (!options.targets.empty()) {
         const auto most = static_cast<double>(info.is_indexed ? info.n_vertices : 3 * info.n_faces);
         const double vertices =
@@ -177,8 +205,7 @@ void require_memory(const SimplifyOptions& options, const SourceInfo& info) {
 }
 
 std::uint64_t ample_memory_bytes(const MemoryCounts& n, std::uint64_t limit) {
-    const std::uint64_t sums =
-        n.cells * (sizeof(CellSums) + (n.has_attributes ? sizeof(AttributeSums) : 0));
+    const std::uint64_t sums = n.cells * sums_bytes(n);
     const std::uint64_t table = 12 * std::bit_ceil(n.cells * 3 / 2 + 1);
     const std::uint64_t triples = faces_of(n.cells) * sizeof(cluster::CellTriple);
     const std::uint64_t accumulate = vertex_bytes(n, limit) + table + sums + triples;
@@ -197,15 +224,11 @@ struct Table {
     std::uint64_t kept;    ///< of its memory, while its cells go out
 };
 
-std::uint64_t sums_bytes(const MemoryCounts& n) {
-    return sizeof(CellSums) + (n.has_attributes ? sizeof(AttributeSums) : 0);
-}
-
 Table table_of(const MemoryCounts& n, std::uint64_t limit) {
     const std::uint64_t taken = ooc::MemoryBudget::kFixedBytes + slack_bytes(limit) +
                                 vertex_bytes(n, limit) + limit / kSpareShare + kSpareBytes;
     const std::uint64_t bytes = limit - std::min(limit, taken);
-    const double in_table = cluster::CellRuns::bytes_per_cell(n.has_attributes);
+    const double in_table = cluster::CellRuns::bytes_per_cell(extras_of(n));
     const auto n_held = static_cast<std::uint64_t>(
         std::min(static_cast<double>(n.cells), static_cast<double>(bytes) / in_table));
     return {n_held == n.cells, n_held, n_held * (sums_bytes(n) + kIndexBytes)};
@@ -228,9 +251,8 @@ std::uint64_t temp_bytes(const MemoryCounts& n, std::uint64_t limit) {
     std::uint64_t merge = 0;
     std::uint64_t at_once = kBuffers;
     if (!table.holds_all_cells) {
-        const std::uint64_t runs =
-            n.cells * (sizeof(cluster::RunCell) + (n.has_attributes ? sizeof(AttributeSums) : 0)) +
-            faces_of(n.cells) * sizeof(cluster::CodeTriple);
+        const std::uint64_t runs = n.cells * (sizeof(cluster::RunCell) + extras_of(n).bytes()) +
+                                   faces_of(n.cells) * sizeof(cluster::CodeTriple);
         const std::uint64_t records = n.cells * (sizeof(CellRecord) + sizeof(std::uint64_t) +
                                                  (n.has_attributes ? sizeof(CellAttributes) : 0));
         // The table keeps its memory while the last run goes out; the vertices are there while

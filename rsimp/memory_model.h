@@ -19,10 +19,15 @@ struct MemoryCounts {
     std::uint64_t triangles_out_of_order = 0;  ///< all of them, or none
     unsigned n_threads = 1;
     bool has_attributes = false;
+    bool has_weights = false;
+    bool has_attribute_quadrics = false;
     bool has_fit = false;
     bool has_feedback = false;
     bool joins_parts = false;  ///< --aggregate
 };
+
+/// What a run carries beside places; by its options and what the input has.
+void count_attributes(const SimplifyOptions& options, const SourceInfo& info, MemoryCounts& counts);
 
 /// Vertices stay in memory while the triangles are read if they take no more than this part of it;
 /// else there is a window over them, of another part.

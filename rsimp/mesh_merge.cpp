@@ -29,12 +29,12 @@ void merge_sorted(std::vector<ooc::SpoolReader<T>>& readers, const Key& key, con
 
 }  // namespace
 
-MeshStore make_mesh_store(ooc::Context& context, const Vec3& origin, bool with_attributes) {
+MeshStore make_mesh_store(ooc::Context& context, const Vec3& origin, AttributeKinds attributes) {
     MeshStore store;
     store.origin = origin;
     store.vertices = {context, "finished vertices"};
     store.faces = {context, "finished faces"};
-    if (with_attributes) store.attributes = {context, "finished attributes"};
+    store.attributes = {context, attributes};
     return store;
 }
 
@@ -47,27 +47,33 @@ void append_core(MeshStore& part, BlockMesh core) {
     for (std::size_t v = 0; v < core.vertices.size(); ++v) {
         if ((core.vertices[v].flags & VertexFlags::kLocked) != 0) continue;
         part.vertices.push(core.vertices[v]);
-        if (!core.attributes.empty()) part.attributes.push(core.attributes[v]);
+        part.attributes.push(core.attributes, v);
     }
 }
 
 MeshStore merge_parts(ooc::Context& context, std::vector<MeshStore> parts) {
     if (parts.size() == 1) return std::move(parts.front());
-    const bool with_attributes = std::any_of(
-        parts.begin(), parts.end(), [](const MeshStore& part) { return !part.attributes.empty(); });
-    MeshStore whole = make_mesh_store(context, parts.front().origin, with_attributes);
+    AttributeKinds kinds;
+    for (const MeshStore& part : parts) {
+        kinds.sums |= part.attributes.kinds().sums;
+        kinds.quadrics |= part.attributes.kinds().quadrics;
+    }
+    MeshStore whole = make_mesh_store(context, parts.front().origin, kinds);
     {
         std::vector<ooc::SpoolReader<StoredVertex>> vertices;
-        std::vector<ooc::SpoolReader<cluster::CellAttributes>> attributes;
+        std::vector<ooc::SpoolReader<cluster::CellAttributes>> sums;
+        std::vector<ooc::SpoolReader<cluster::AttributeQuadric>> quadrics;
         for (const MeshStore& part : parts) {
             vertices.emplace_back(part.vertices);
-            if (with_attributes) attributes.emplace_back(part.attributes);
+            if (kinds.sums) sums.emplace_back(part.attributes.sums);
+            if (kinds.quadrics) quadrics.emplace_back(part.attributes.quadrics);
         }
         merge_sorted(
             vertices, [](const StoredVertex& v) { return v.id; },
             [&](std::size_t part, const StoredVertex& v) {
                 whole.vertices.push(v);
-                if (with_attributes) whole.attributes.push(*attributes[part].next());
+                if (kinds.sums) whole.attributes.sums.push(*sums[part].next());
+                if (kinds.quadrics) whole.attributes.quadrics.push(*quadrics[part].next());
             });
     }
     for (MeshStore& part : parts) {

@@ -17,6 +17,6 @@ void append_core(MeshStore& part, BlockMesh core);
 /// Parts are sorted and share no vertex and no face. One pass; memory: a buffer for each part.
 MeshStore merge_parts(ooc::Context& context, std::vector<MeshStore> parts);
 
-MeshStore make_mesh_store(ooc::Context& context, const Vec3& origin, bool with_attributes);
+MeshStore make_mesh_store(ooc::Context& context, const Vec3& origin, AttributeKinds attributes);
 
 }  // namespace hewer::rsimp

@@ -8,6 +8,7 @@
 
 #include "ooc/spool.h"
 #include "rsimp/cluster_mesh.h"
+#include "rsimp/vertex_attributes.h"
 
 namespace hewer::rsimp {
 
@@ -35,9 +36,9 @@ using Face = std::array<VertexId, 3>;
 
 struct MeshStore {
     Vec3 origin{};  ///< of all coordinates here, in cells from the lattice origin
-    ooc::Spool<StoredVertex> vertices;               ///< rising ids; each is used by a face
-    ooc::Spool<cluster::CellAttributes> attributes;  ///< parallel to vertices; empty if none
-    ooc::Spool<Face> faces;                          ///< rising, lexicographically
+    ooc::Spool<StoredVertex> vertices;  ///< rising ids; each is used by a face
+    AttributeSpools attributes;
+    ooc::Spool<Face> faces;  ///< rising, lexicographically
 };
 
 }  // namespace hewer::rsimp

@@ -5,17 +5,15 @@
 
 namespace hewer::rsimp {
 
-PieceStore::PieceStore(ooc::Context& context, bool with_attributes)
-    : with_attributes_(with_attributes),
-      vertices_(context, "mesh vertices"),
+PieceStore::PieceStore(ooc::Context& context, AttributeKinds attributes)
+    : vertices_(context, "mesh vertices"),
+      attributes_(context, attributes),
       faces_(context, "mesh faces"),
-      pieces_(1) {
-    if (with_attributes_) attributes_ = {context, "mesh attributes"};
-}
+      pieces_(1) {}
 
 void PieceStore::append(const BlockMesh& piece) {
     vertices_.append(piece.vertices);
-    if (with_attributes_) attributes_.append(piece.attributes);
+    attributes_.append(piece.attributes);
     faces_.append(piece.faces);
     pieces_.push_back({vertices_.size(), faces_.size()});
 }
@@ -26,10 +24,7 @@ BlockMesh PieceStore::load(std::size_t first, std::size_t last) const {
     const Piece& end = pieces_[last];
     mesh.vertices.resize(end.first_vertex - begin.first_vertex);
     vertices_.read(begin.first_vertex, mesh.vertices);
-    if (with_attributes_) {
-        mesh.attributes.resize(mesh.vertices.size());
-        attributes_.read(begin.first_vertex, mesh.attributes);
-    }
+    attributes_.read(begin.first_vertex, mesh.vertices.size(), mesh.attributes);
     mesh.faces.resize(end.first_face - begin.first_face);
     faces_.read(begin.first_face, mesh.faces);
     for (std::size_t p = first + 1; p < last; ++p) {

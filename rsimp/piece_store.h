@@ -13,7 +13,7 @@ namespace hewer::rsimp {
 
 class PieceStore {
   public:
-    PieceStore(ooc::Context& context, bool with_attributes);
+    PieceStore(ooc::Context& context, AttributeKinds attributes);
 
     /// Pieces come in the order of their vertex ids.
     void append(const BlockMesh& piece);
@@ -25,6 +25,7 @@ class PieceStore {
         return pieces_[piece + 1].first_face - pieces_[piece].first_face;
     }
     [[nodiscard]] std::uint64_t n_faces() const { return pieces_.back().first_face; }
+    [[nodiscard]] AttributeKinds attributes() const { return attributes_.kinds(); }
     /// The pieces [first, last) as one mesh. Any thread.
     [[nodiscard]] BlockMesh load(std::size_t first, std::size_t last) const;
 
@@ -33,9 +34,8 @@ class PieceStore {
         std::uint64_t first_vertex = 0;
         std::uint64_t first_face = 0;
     };
-    bool with_attributes_;
     ooc::Spool<StoredVertex> vertices_;
-    ooc::Spool<cluster::CellAttributes> attributes_;
+    AttributeSpools attributes_;
     ooc::Spool<LocalFace> faces_;  // corners count from the piece's first vertex
     std::vector<Piece> pieces_;    // and one more at the end, with the totals
 };

@@ -135,6 +135,7 @@ PlanReport plan(const InputPaths& input, const SimplifyOptions& asked) {
     report.input.has_normals = info.has_normals;
     report.input.has_colors = info.has_colors;
     report.input.textures = info.textures;
+    report.input.has_weights = info.has_weights;
     report.input.ignored = info.ignored;
     report.input.basis = InputReport::Basis::Header;
     if (options.method == Method::Copy) {
@@ -190,8 +191,7 @@ PlanReport plan(const InputPaths& input, const SimplifyOptions& asked) {
     counts.clusters = clusters;
     counts.lod_vertices = is_kept ? report.cells : out_triangles / 2;
     counts.n_threads = ooc::thread_count(options.n_threads);
-    counts.has_attributes =
-        info.has_normals || info.has_colors || options.priority == SplitPriority::NormalVariation;
+    rsimp::count_attributes(options, info, counts);
     counts.has_fit = rsimp::fit_rounds(options) > 0;
     counts.joins_parts = options.aggregate.has_value();
     const unsigned n_feedback = rsimp::feedback_rounds(options);

@@ -36,6 +36,7 @@ std::vector<ooc::StageWeight> stage_weights(const SimplifyOptions& options) {
         {"bounds", 1},    {"vertices", 2}, {"sample", 2}, {"cluster", 8}, {"refine", 8},
         {"triangles", 8}, {"feedback", 8}, {"mesh", 2},   {"finish", 12}, {"fit", 12},
         {"unfold", 2},    {"write", 2}};
+    if (options.color_weight > 0 || options.normal_weight > 0) weights.push_back({"attributes", 1});
     if (options.topology_report || options.topology == Topology::Keep) {
         weights.push_back({"topology", 30});
     }
@@ -182,7 +183,7 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const Simp
     const SourceInfo& info = source.info();
     LodOutput output(context,
                      {start_mesh.lattice, start_mesh.grid, info.has_normals, info.has_colors,
-                      info.has_alpha, info.has_double_positions},
+                      info.has_alpha, info.has_double_positions, start_mesh.scales},
                      static_cast<bool>(parents));
     LodChain chain(context, std::move(start_mesh), static_cast<bool>(parents));
     if (options.topology == Topology::Keep) {

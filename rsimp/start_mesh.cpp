@@ -13,6 +13,7 @@
 #include "rsimp/aggregate_parts.h"
 #include "rsimp/block_fusion.h"
 #include "rsimp/block_refiner.h"
+#include "rsimp/cell_weights.h"
 #include "rsimp/cluster_mesh_builder.h"
 #include "rsimp/clustering.h"
 #include "rsimp/drop_parts.h"
@@ -145,6 +146,15 @@ Attempt fuse_to_budget(ooc::Context& context, const CellBlocks& cells,
     }
 }
 
+/// From parts of the diagonal to cells; nothing for what the input does not have.
+AttributeScales scales_for(const CellBlocks& cells, const SimplifyOptions& options,
+                           const SourceInfo& info, const SimplifyReport& report) {
+    const double unit =
+        kAttributeUnit * report.input.bounds.diagonal() / cells.grid.cell_size(cells.lattice);
+    return {info.has_colors ? unit * options.color_weight : 0,
+            info.has_normals ? unit * options.normal_weight : 0};
+}
+
 SampleChoice samples_for(const CellBlocks& cells, const SimplifyOptions& options,
                          const SimplifyReport& report) {
     const double vertices = budget(options, report) / 2;
@@ -174,10 +184,17 @@ StartMesh make_start_mesh(ooc::Context& context, MeshSource& source, const Simpl
     const bool is_given = options.cell_size || options.method == Method::Full;
     for (double finer = 1;; finer *= kFinerGrid) {
         bool is_finest = false;
-        CellBlocks cells = drop_parts(
-            context, cluster_input(context, source, options, finer, stages, report, is_finest),
-            options, report);
+        CellBlocks cells =
+            cluster_input(context, source, options, finer, stages, report, is_finest);
+        weigh_cells(context, options.focus, cells);
+        cells = drop_parts(context, std::move(cells), options, report);
         cells = aggregate_parts(context, std::move(cells), options, report);
+        const AttributeScales scales = scales_for(cells, options, source.info(), report);
+        if (scales.any()) {
+            stages.begin("attributes", 0, "cells");
+            fit_attributes(context, scales, cells);
+            stages.end();
+        }
         is_finest |= is_given;
         const double error = options.targets.empty()
                                  ? 0
@@ -189,6 +206,7 @@ StartMesh make_start_mesh(ooc::Context& context, MeshSource& source, const Simpl
             if (!is_kept && !is_finest && attempt.start.finish.lost_cells > 0) continue;
             attempt.start.samples =
                 collect_samples(context, cells, samples_for(cells, options, report));
+            attempt.start.scales = scales;
             return std::move(attempt.start);
         }
         const bool is_uniform = options.method == Method::Uniform;
@@ -208,6 +226,7 @@ StartMesh make_start_mesh(ooc::Context& context, MeshSource& source, const Simpl
             if (fit_rounds(options) > 0) {
                 attempt.start.borders = collect_border_samples(context, cells);
             }
+            attempt.start.scales = scales;
             return std::move(attempt.start);
         }
     }

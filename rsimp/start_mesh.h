@@ -12,6 +12,7 @@
 #include "hewer/options.h"
 #include "hewer/report.h"
 #include "ooc/context.h"
+#include "rsimp/attribute_fit.h"
 #include "rsimp/finish.h"
 #include "rsimp/fit_samples.h"
 #include "rsimp/stage_log.h"
@@ -21,6 +22,7 @@ namespace hewer::rsimp {
 struct StartMesh {
     cluster::Lattice lattice;
     cluster::UniformGrid grid;
+    AttributeScales scales;  ///< of the attribute quadrics
     bool is_closed = false;
     std::uint64_t n_clusters = 0;
     std::unique_ptr<Finisher> finisher;  ///< has begun

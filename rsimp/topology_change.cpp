@@ -54,20 +54,19 @@ WholeMesh::WholeMesh(ooc::Context& context, const MeshStore& store)
       bytes_(
           context.budget().reserve("the whole mesh, to change its topology",
                                    2 * (store.vertices.size() * sizeof(StoredVertex) +
-                                        store.attributes.size() * sizeof(cluster::CellAttributes) +
+                                        store.vertices.size() * store.attributes.kinds().bytes() +
                                         store.faces.size() * sizeof(LocalFace)))),
       origin_(store.origin) {
     mesh_.vertices.resize(store.vertices.size());
     store.vertices.read(0, mesh_.vertices);
-    mesh_.attributes.resize(store.attributes.size());
-    if (!mesh_.attributes.empty()) store.attributes.read(0, mesh_.attributes);
+    store.attributes.read(0, mesh_.vertices.size(), mesh_.attributes);
     mesh_.faces.reserve(store.faces.size());
     ooc::SpoolReader<Face> faces(store.faces);
     while (const Face* face = faces.next()) mesh_.faces.push_back(local_face(mesh_, *face));
 }
 
 MeshStore WholeMesh::store() const {
-    MeshStore store = make_mesh_store(context_, origin_, !mesh_.attributes.empty());
+    MeshStore store = make_mesh_store(context_, origin_, mesh_.attributes.kinds());
     append_core(store, mesh_);
     return store;
 }
@@ -160,13 +159,13 @@ bool WholeMesh::merge_regardless(const CollapseTarget& target, bool is_closed,
         const StoredVertex& other = merged.vertices[v];
         const EdgeQuadric edge(kept.vertex, other.vertex);
         kept.vertex.position = edge.optimum;
-        kept.vertex.quadric = edge.quadric;
+        kept.vertex.quadric += other.vertex.quadric;
         for (std::size_t i = 0; i < 3; ++i) {
             kept.vertex.box[i] = std::min(kept.vertex.box[i], other.vertex.box[i]);
             kept.vertex.box[3 + i] = std::max(kept.vertex.box[3 + i], other.vertex.box[3 + i]);
         }
         kept.n_cells += other.n_cells;
-        if (!merged.attributes.empty()) merged.attributes[u] += merged.attributes[v];
+        merged.attributes.merge(u, v);
         is_kept[v] = false;
         gone.emplace_back(other.id, kept.id);
     }

@@ -35,6 +35,7 @@ class JoinedSource final : public MeshSource {
             info_.has_colors |= p.has_colors;
             info_.has_alpha |= p.has_alpha;
             info_.textures.insert(info_.textures.end(), p.textures.begin(), p.textures.end());
+            info_.has_weights |= p.has_weights;
             for (const std::string& what : p.ignored) {
                 if (std::find(info_.ignored.begin(), info_.ignored.end(), what) ==
                     info_.ignored.end()) {
@@ -83,6 +84,7 @@ class JoinedSource final : public MeshSource {
             batch.positions.clear();
             batch.normals.clear();
             batch.colors.clear();
+            batch.weights.clear();
             VertexBatch piece;
             for (std::uint64_t at = first; at < last; ++i) {
                 const std::uint64_t end = std::min(last, end_of(i));
@@ -92,6 +94,7 @@ class JoinedSource final : public MeshSource {
                 append(batch.positions, piece.positions);
                 append(batch.normals, piece.normals);
                 append(batch.colors, piece.colors);
+                append(batch.weights, piece.weights);
                 at = end;
             }
         }
@@ -156,6 +159,7 @@ class JoinedSource final : public MeshSource {
         const std::size_t n = batch.positions.size();
         if (info_.has_normals && batch.normals.empty()) batch.normals.assign(n, {});
         if (info_.has_colors && batch.colors.empty()) batch.colors.assign(n, kWhite);
+        if (info_.has_weights && batch.weights.empty()) batch.weights.assign(n, 1.0F);
     }
 
     /// Element numbers in messages are those of the file.

@@ -33,6 +33,7 @@ void InputDefects::merge(const InputDefects& other) {
     short_faces += other.short_faces;
     polygons += other.polygons;
     degenerate_triangles += other.degenerate_triangles;
+    bad_weights += other.bad_weights;
     keep_first(first_nonfinite, other.first_nonfinite);
     keep_first(first_out_of_range, other.first_out_of_range);
 }
@@ -61,6 +62,7 @@ class MeshView final : public MeshSource {
         info_.has_normals = !mesh.normals.empty();
         info_.has_colors = !mesh.colors.empty();
         info_.has_alpha = info_.has_colors;
+        info_.has_weights = !mesh.weights.empty();
     }
 
     [[nodiscard]] const SourceInfo& info() const override { return info_; }
@@ -76,6 +78,7 @@ class MeshView final : public MeshSource {
         slice(mesh_.positions, first, last, batch.positions);
         slice(mesh_.normals, first, last, batch.normals);
         slice(mesh_.colors, first, last, batch.colors);
+        slice(mesh_.weights, first, last, batch.weights);
         for (std::uint64_t i = first; i < last; ++i) {
             const Vec3& p = mesh_.positions[i];
             if (std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2])) continue;

@@ -58,14 +58,17 @@ std::unique_ptr<ooc::InputFile> unpack(std::unique_ptr<ooc::InputFile> file,
 
 std::unique_ptr<MeshSource> open_as(FileFormat format, std::unique_ptr<ooc::InputFile> file,
                                     const OpenOptions& options, const Hooks& hooks) {
+    if (!options.weight_property.empty() && format != FileFormat::Ply) {
+        throw InvalidArgument(file->path().string() +
+                              ": --weight-property needs a PLY, whose vertices can have numbers of "
+                              "any name; this is another format");
+    }
     switch (format) {
         case FileFormat::Ply: {
             streaming::PlyHeader header = streaming::read_ply_header(*file);
             return header.encoding == streaming::PlyEncoding::Ascii
-                       ? streaming::open_ascii_ply(std::move(file), std::move(header),
-                                                   options.strict)
-                       : streaming::open_binary_ply(std::move(file), std::move(header),
-                                                    options.strict);
+                       ? streaming::open_ascii_ply(std::move(file), std::move(header), options)
+                       : streaming::open_binary_ply(std::move(file), std::move(header), options);
         }
         case FileFormat::BinaryStl:
             return streaming::open_binary_stl(std::move(file), options.strict);

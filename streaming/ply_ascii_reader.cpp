@@ -154,7 +154,8 @@ class AsciiEncoding {
         };
         return is_here(fields_.position) || (fields_.normal && is_here(*fields_.normal)) ||
                (fields_.color && is_here(*fields_.color)) ||
-               (fields_.alpha && fields_.alpha->offset == offset);
+               (fields_.alpha && fields_.alpha->offset == offset) ||
+               (fields_.weight && fields_.weight->offset == offset);
     }
 
     [[noreturn]] void fail_number(const RowShape& shape, const TextBlock& block, std::uint64_t row,
@@ -175,9 +176,8 @@ class AsciiEncoding {
 }  // namespace
 
 std::unique_ptr<MeshSource> open_ascii_ply(std::unique_ptr<ooc::InputFile> file, PlyHeader header,
-                                           bool is_strict) {
-    return std::make_unique<PlySource<AsciiEncoding>>(std::move(file), std::move(header),
-                                                      is_strict);
+                                           const OpenOptions& options) {
+    return std::make_unique<PlySource<AsciiEncoding>>(std::move(file), std::move(header), options);
 }
 
 }  // namespace hewer::streaming

@@ -126,9 +126,8 @@ class BinaryEncoding {
 }  // namespace
 
 std::unique_ptr<MeshSource> open_binary_ply(std::unique_ptr<ooc::InputFile> file, PlyHeader header,
-                                            bool is_strict) {
-    return std::make_unique<PlySource<BinaryEncoding>>(std::move(file), std::move(header),
-                                                       is_strict);
+                                            const OpenOptions& options) {
+    return std::make_unique<PlySource<BinaryEncoding>>(std::move(file), std::move(header), options);
 }
 
 }  // namespace hewer::streaming

@@ -57,6 +57,20 @@ void find_colors(const PlyElement& element, PlyVertexFields& fields,
     }
 }
 
+PlyField find_weight(const PlyElement& vertex, const std::string& name, const std::string& path,
+                     std::vector<std::string>& carried) {
+    if (const std::optional<PlyField> field = find_scalar(vertex, name)) {
+        carried.push_back(name);
+        return *field;
+    }
+    std::string names;
+    for (const PlyProperty& p : vertex.properties) {
+        if (!p.is_list) names += (names.empty() ? "" : ", ") + p.name;
+    }
+    throw InvalidArgument(path + ": its vertices have no number named '" + name +
+                          "' that could be their weight (--weight-property); there are " + names);
+}
+
 [[noreturn]] void refuse_without_faces(const PlyHeader& header, const PlyElement& vertex,
                                        const std::string& path) {
     if (header.find("face") != nullptr || header.find("tristrips") != nullptr) {
@@ -89,7 +103,7 @@ void note_ignored(const PlyElement& element, const std::vector<std::string>& car
 }  // namespace
 
 PlyLayout plan_ply(const PlyHeader& header, const std::filesystem::path& file_path,
-                   SourceInfo& info) {
+                   SourceInfo& info, const std::string& weight_property) {
     const std::string path = file_path.string();
     PlyLayout layout;
     const PlyElement* vertex = header.find("vertex");
@@ -127,6 +141,9 @@ PlyLayout plan_ply(const PlyHeader& header, const std::filesystem::path& file_pa
     layout.vertex.position = *position;
     layout.vertex.normal = find_triple(*vertex, {"nx", "ny", "nz"}, carried);
     find_colors(*vertex, layout.vertex, carried);
+    if (!weight_property.empty()) {
+        layout.vertex.weight = find_weight(*vertex, weight_property, path, carried);
+    }
 
     info.name = path;
     info.format = header.encoding == PlyEncoding::Ascii          ? "PLY, ASCII"
@@ -144,6 +161,7 @@ PlyLayout plan_ply(const PlyHeader& header, const std::filesystem::path& file_pa
     info.has_normals = layout.vertex.normal.has_value();
     info.has_colors = layout.vertex.color.has_value();
     info.has_alpha = layout.vertex.alpha.has_value();
+    info.has_weights = layout.vertex.weight.has_value();
     for (const PlyElement& element : header.elements) {
         if (&element == vertex) {
             note_ignored(element, carried, info);

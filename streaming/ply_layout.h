@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "hewer/mesh_source.h"
 #include "streaming/ply_header.h"
@@ -23,7 +24,8 @@ struct PlyVertexFields {
     std::array<PlyField, 3> position;
     std::optional<std::array<PlyField, 3>> normal;
     std::optional<std::array<PlyField, 3>> color;
-    std::optional<PlyField> alpha;  ///< only with `color`
+    std::optional<PlyField> alpha;   ///< only with `color`
+    std::optional<PlyField> weight;  ///< any scalar that was asked for
 };
 
 struct PlyLayout {
@@ -37,7 +39,10 @@ struct PlyLayout {
 /// Finds these roles by name, whatever the order, and fills `info` (name, format, counts, what is
 /// there, what is ignored). Names: x y z; nx ny nz; red green blue [alpha], also diffuse_red ... or
 /// r g b [a]; vertex_indices or vertex_index in `face`, or in `tristrips` if there are no faces.
-/// Throws FormatError saying what is missing; point clouds and Gaussian splats are called by name.
-PlyLayout plan_ply(const PlyHeader& header, const std::filesystem::path& path, SourceInfo& info);
+/// `weight_property` is the name of a scalar of the vertices, or empty.
+/// Throws FormatError saying what is missing; point clouds and Gaussian splats are called by name;
+/// InvalidArgument if there is no such scalar, with the names of those that there are.
+PlyLayout plan_ply(const PlyHeader& header, const std::filesystem::path& path, SourceInfo& info,
+                   const std::string& weight_property = {});
 
 }  // namespace hewer::streaming

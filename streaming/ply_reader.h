@@ -12,8 +12,8 @@ namespace hewer::streaming {
 
 /// The header's encoding decides which one fits. Throws FormatError as open_mesh() does.
 std::unique_ptr<MeshSource> open_binary_ply(std::unique_ptr<ooc::InputFile> file, PlyHeader header,
-                                            bool is_strict);
+                                            const OpenOptions& options);
 std::unique_ptr<MeshSource> open_ascii_ply(std::unique_ptr<ooc::InputFile> file, PlyHeader header,
-                                           bool is_strict);
+                                           const OpenOptions& options);
 
 }  // namespace hewer::streaming

@@ -38,11 +38,11 @@ namespace hewer::streaming {
 template <typename Encoding>
 class PlySource final : public MeshSource {
   public:
-    PlySource(std::unique_ptr<ooc::InputFile> file, PlyHeader header, bool is_strict)
+    PlySource(std::unique_ptr<ooc::InputFile> file, PlyHeader header, const OpenOptions& options)
         : file_(std::move(file)),
           header_(std::move(header)),
-          layout_(plan_ply(header_, file_->path(), info_)),
-          reporter_(info_.name, is_strict),
+          layout_(plan_ply(header_, file_->path(), info_, options.weight_property)),
+          reporter_(info_.name, options.strict),
           encoding_(*file_, n_bytes_read_, header_, layout_),
           starts_(header_.elements.size() + 1) {
         info_.n_bytes = file_->size();

@@ -90,6 +90,7 @@ std::size_t decode_vertices(const PlyVertexFields& fields, const PackedRows& row
     batch.positions.resize(rows.n);
     batch.normals.resize(fields.normal ? rows.n : 0);
     batch.colors.resize(fields.color ? rows.n : 0);
+    batch.weights.resize(fields.weight ? rows.n : 0);
     const NonfiniteProbe probe = decode_positions(fields, rows, batch.positions.data());
     if (fields.normal) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -110,6 +111,11 @@ std::size_t decode_vertices(const PlyVertexFields& fields, const PackedRows& row
         } else {
             for (Rgba16& color : batch.colors) color[3] = 65535;
         }
+    }
+    if (fields.weight) {
+        for_column(*fields.weight, rows, [&](std::size_t i, auto value) {
+            batch.weights[i] = static_cast<float>(value);
+        });
     }
     if (!probe.any()) return rows.n;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Raw vertex rows to positions, normals and colours.
+/// Raw vertex rows to positions, normals, colours and weights.
 #pragma once
 
 #include <cstddef>
@@ -18,10 +18,10 @@ struct PackedRows {
     bool swap = false;
 };
 
-/// Fills positions, normals and colors of `batch` (storage reused, nothing zeroed first) and counts
-/// the positions that are not finite in batch.defects.nonfinite_vertices.
-/// Works by columns: one tight loop for each property, chosen once a block, no branch on types per
-/// element; the block stays in the cache meanwhile. Thread-safe.
+/// Fills positions, normals, colors and weights of `batch` (storage reused, nothing zeroed first)
+/// and counts the positions that are not finite in batch.defects.nonfinite_vertices. Works by
+/// columns: one tight loop for each property, chosen once a block, no branch on types per element;
+/// the block stays in the cache meanwhile. Thread-safe.
 /// @returns the index of the first row with a non-finite position, or rows.n.
 std::size_t decode_vertices(const PlyVertexFields& fields, const PackedRows& rows,
                             VertexBatch& batch);

@@ -24,6 +24,7 @@ struct InputDefects {
     std::uint64_t short_faces = 0;             ///< dropped: a face of fewer than three corners
     std::uint64_t polygons = 0;                ///< kept: faces of more than three corners, fanned
     std::uint64_t degenerate_triangles = 0;    ///< repeated corner or zero area
+    std::uint64_t bad_weights = 0;  ///< of vertices: negative, no number, or above kMostWeight
     /// Where the first of them was met: "vertex 17 (byte 1234)". Empty: none.
     std::string first_nonfinite;
     std::string first_out_of_range;
@@ -54,18 +55,20 @@ struct SourceInfo {
     bool has_normals = false;
     bool has_colors = false;
     bool has_alpha = false;
+    bool has_weights = false;           ///< see OpenOptions::weight_property
     std::vector<TextureInfo> textures;  ///< that are in the colours; see docs/textures.md
     std::vector<std::string> ignored;   ///< properties and elements that hewer does not carry
 };
 
-/// Consecutive vertices. `normals` and `colors` are empty unless SourceInfo says that they are
-/// there. A non-finite position is delivered as it is (so that ids stay right) and counted in
-/// `defects`.
+/// Consecutive vertices. `normals`, `colors` and `weights` are empty unless SourceInfo says that
+/// they are there. A non-finite position is delivered as it is (so that ids stay right) and counted
+/// in `defects`.
 struct VertexBatch {
     std::uint64_t first = 0;  ///< id of positions[0]
     std::vector<Vec3> positions;
     std::vector<std::array<float, 3>> normals;
     std::vector<Rgba16> colors;
+    std::vector<float> weights;  ///< as the input has them
     InputDefects defects;
 };
 
@@ -129,6 +132,8 @@ struct OpenOptions {
     bool strict = false;
     /// A name of input_formats(). Empty: by the content.
     std::string format{};
+    /// Scalar property of the vertices that is their weight; PLY only. Empty: none.
+    std::string weight_property{};
     /// As in SimplifyOptions.
     std::uint64_t memory_bytes = 0;
     unsigned n_threads = 0;
@@ -145,6 +150,9 @@ OpenOptions opening(const Options& options) {
                      .temp_dir = options.temp_dir,
                      .max_temp_bytes = options.max_temp_bytes};
     if constexpr (requires { options.strict; }) open.strict = options.strict;
+    if constexpr (requires { options.weight_property; }) {
+        open.weight_property = options.weight_property;
+    }
     return open;
 }
 
@@ -173,12 +181,13 @@ std::vector<std::string> input_formats();
 std::unique_ptr<MeshSource> open_mesh(const InputPaths& inputs, const OpenOptions& options = {},
                                       const Hooks& hooks = {});
 
-/// A mesh in memory. normals and colors are empty or as many as positions.
+/// A mesh in memory. normals, colors and weights are empty or as many as positions.
 struct Mesh {
     std::vector<Vec3> positions;
     std::vector<std::array<float, 3>> normals;
     std::vector<Rgba16> colors;
     std::vector<Triangle> triangles;
+    std::vector<float> weights{};  ///< see SimplifyOptions::weight_property
 };
 
 /// Streams a mesh that the caller keeps alive and unchanged. Copies nothing but the batches.

@@ -49,6 +49,14 @@ struct Target {
     double value = 0;
 };
 
+/// A place that matters more, or less, than the rest.
+struct FocusBox {
+    Bounds box;
+    double weight = 1;  ///< 0 to kMostWeight; boxes that overlap multiply
+};
+/// Largest weight of a FocusBox and of a vertex.
+inline constexpr double kMostWeight = 1000;
+
 struct SimplifyOptions {
     /// One per level of detail. Several must be of one kind and go from fine to coarse; all of them
     /// come from one read of the input and nest. Copy needs none, and takes no other than the ratio
@@ -70,6 +78,21 @@ struct SimplifyOptions {
 
     /// Weight of the border quadrics against the surface quadrics. 0: borders may wander.
     double border_weight = 30.0;
+
+    /// What colours and normals of vertices count in the error metric: with W, a difference of a
+    /// whole colour channel (of a component of a unit normal by one) counts as much as a distance
+    /// of W per cent of the bounding box's diagonal. 0: they are carried along, no more. Not for
+    /// the uniform method, nor with SplitPriority::NormalVariation. See docs/attributes.md.
+    double color_weight = 0;
+    double normal_weight = 0;
+    /// See OpenOptions::weight_property. What a source gives as weights (SourceInfo::has_weights)
+    /// counts in any case: the surface at a vertex counts as that many times its area. Only ratios
+    /// matter, where there is a budget. 0 to kMostWeight, larger ones are taken as that; what is
+    /// negative or no number is taken as 1; both are counted (InputDefects::bad_weights).
+    std::string weight_property{};
+    /// The same by place: the surface in the box counts as that many times its area, to within a
+    /// cell of the grid. All weights multiply, and come to a thousandth at least.
+    std::vector<FocusBox> focus{};
 
     /// Rounds in which the places where the first LOD is far from the input are found, and the
     /// budget is shared out again; 0: none. Unset: two for Full, none otherwise.

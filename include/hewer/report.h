@@ -59,6 +59,7 @@ struct InputReport {
     Bounds bounds;
     bool has_normals = false;
     bool has_colors = false;
+    bool has_weights = false;
     std::vector<TextureInfo> textures;  ///< that colours were sampled from
     std::vector<std::string> ignored;
     InputDefects defects;

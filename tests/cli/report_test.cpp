@@ -22,11 +22,11 @@ Keys keys_of(const json& object) {
     return keys;
 }
 
-const Keys input_keys{"path",        "format",        "bytes",           "opening_seconds",
-                      "vertices",    "faces",         "triangles",       "bounds",
-                      "has_normals", "has_colors",    "textures",        "ignored",
-                      "defects",     "area",          "vertex_passes",   "triangle_passes",
-                      "basis"};
+const Keys input_keys{"path",        "format",      "bytes",         "opening_seconds",
+                      "vertices",    "faces",       "triangles",     "bounds",
+                      "has_normals", "has_colors",  "has_weights",   "textures",
+                      "ignored",     "defects",     "area",          "vertex_passes",
+                      "basis",       "triangle_passes"};
 
 TEST(CliInfo, tells_counts_bounds_and_area) {
     const ScratchDir dir;
@@ -343,6 +343,33 @@ TEST(CliReport, lists_dropped_parts) {
     EXPECT_EQ(all.code, 2);
     EXPECT_NE(all.err.find("--drop-parts"), std::string::npos) << all.err;
     EXPECT_FALSE(std::filesystem::exists(dir.file("none.ply")));
+}
+
+TEST(CliReport, of_simplify_and_plan_know_weights) {
+    const ScratchDir dir;
+    write_hills(dir.file("in.ply"), 60);
+    const std::vector<std::string> options{"--triangles",     "500",     "--focus",
+                                           "0,0,-9,9,9,9:20", "--focus", "-1,-1,-9,0,0,9:0.5",
+                                           "--normal-weight", "0.5"};
+    std::vector<std::string> simplify{"simplify", dir.file("in.ply"), "-o",     dir.file("out.ply"),
+                                      "--report", dir.file("r.json"), "--quiet"};
+    simplify.insert(simplify.end(), options.begin(), options.end());
+    const Outcome outcome = run_program(simplify);
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    std::vector<std::string> plan{"plan", dir.file("in.ply"), "--json"};
+    plan.insert(plan.end(), options.begin(), options.end());
+    const Outcome planned = run_program(plan);
+    ASSERT_EQ(planned.code, 0) << planned.err;
+    for (const std::string& text : {read_file(dir.file("r.json")), planned.out}) {
+        const json report = json::parse(text);
+        ASSERT_EQ(report["options"]["focus"].size(), 2U);
+        EXPECT_EQ(report["options"]["focus"][0]["weight"], 20);
+        EXPECT_EQ(report["options"]["focus"][1]["box"]["min"], (json{-1, -1, -9}));
+        EXPECT_EQ(report["options"]["normal_weight"], 0.5);
+        EXPECT_EQ(report["options"]["color_weight"], 0);
+        EXPECT_EQ(report["options"]["weight_property"], nullptr);
+        EXPECT_EQ(report["input"]["has_weights"], false);
+    }
 }
 
 }  // namespace

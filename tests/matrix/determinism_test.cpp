@@ -79,6 +79,17 @@ TEST(Determinism, ColouredMeshInSeveralLevels) {
     expect_one_result(with_colors(cube_sphere(60, 0.02)), options, false, "levels");
 }
 
+TEST(Determinism, WeightsOfAttributesVerticesAndPlaces) {
+    Mesh mesh = with_colors(cube_sphere(60, 0.02));
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+        mesh.weights.push_back(static_cast<float>(v % 7) * 0.3F);
+    }
+    SimplifyOptions options = options_for(Target::Kind::Triangles, 4000);
+    options.color_weight = 0.5;
+    options.focus = {{{{0, 0, 0}, {1, 1, 1}}, 10}};
+    expect_one_result(mesh, options, false, "weights");
+}
+
 TEST(Determinism, NonManifoldMesh) {
     expect_one_result(dirty_mesh(), options_for(Target::Kind::Ratio, 0.2), false, "dirty");
 }

@@ -44,10 +44,11 @@ void write_mesh(const Mesh& mesh, const std::filesystem::path& path) {
 }
 
 enum class Input {
-    Coherent,        ///< PLY, vertices can be sought
-    Shuffled,        ///< the same in no order
-    Soup,            ///< STL
-    ColoredInMemory  ///< in no order, with attributes, and vertices that cannot be sought
+    Coherent,         ///< PLY, vertices can be sought
+    Shuffled,         ///< the same in no order
+    Soup,             ///< STL
+    ColoredInMemory,  ///< in no order, with attributes, and vertices that cannot be sought
+    Weighed           ///< the same with weights, which the attributes have, too
 };
 enum class Goal { One, Levels, Error };
 using Case = std::tuple<Input, Method, Goal>;
@@ -70,10 +71,16 @@ class Source {
             case Input::ColoredInMemory:
                 mesh_ = with_colors(shuffled(surface(), 7));
                 break;
+            case Input::Weighed:
+                mesh_ = with_colors(shuffled(surface(), 7));
+                for (std::size_t v = 0; v < mesh_.positions.size(); ++v) {
+                    mesh_.weights.push_back(static_cast<float>(v % 5) * 0.7F);
+                }
+                break;
         }
     }
     [[nodiscard]] std::unique_ptr<MeshSource> open() const {
-        if (input_ != Input::ColoredInMemory) return open_mesh(path_);
+        if (mesh_.positions.empty()) return open_mesh(path_);
         return std::make_unique<BatchSource>(mesh_, BatchPlan{.smallest = 1, .largest = 2000});
     }
 
@@ -87,6 +94,10 @@ class Source {
 SimplifyOptions options_of(const Case& test) {
     SimplifyOptions options;
     options.method = std::get<Method>(test);
+    if (std::get<Input>(test) == Input::Weighed) {
+        if (options.method != Method::Uniform) options.color_weight = 0.5;
+        options.focus = {{{{0, 0, 0}, {1, 1, 1}}, 10}};
+    }
     switch (std::get<Goal>(test)) {
         case Goal::One:
             options.targets = {{Target::Kind::Triangles, 70'000}};
@@ -160,7 +171,8 @@ class ForcedSpilling : public testing::TestWithParam<Case> {};
 class EveryWay : public testing::TestWithParam<Case> {};
 
 std::string name_of(const testing::TestParamInfo<Case>& test) {
-    constexpr std::array<const char*, 4> kInputs{"coherent", "shuffled", "soup", "colored"};
+    constexpr std::array<const char*, 5> kInputs{"coherent", "shuffled", "soup", "colored",
+                                                 "weighed"};
     constexpr std::array<const char*, 3> kMethods{"refine", "uniform", "full"};
     constexpr std::array<const char*, 3> kGoals{"one", "levels", "error"};
     const auto& [input, method, goal] = test.param;
@@ -209,6 +221,10 @@ std::vector<Case> all_cases() {
         }
         cases.emplace_back(input, Method::Uniform, Goal::One);
     }
+    cases.emplace_back(Input::Weighed, Method::Refine, Goal::Levels);
+    cases.emplace_back(Input::Weighed, Method::Refine, Goal::Error);
+    cases.emplace_back(Input::Weighed, Method::Full, Goal::One);
+    cases.emplace_back(Input::Weighed, Method::Uniform, Goal::One);
     return cases;
 }
 

@@ -21,6 +21,7 @@ BatchSource::BatchSource(const Mesh& mesh, const BatchPlan& plan)
     info_.has_normals = !plan.is_soup && !mesh.normals.empty();
     info_.has_colors = !plan.is_soup && !mesh.colors.empty();
     info_.has_alpha = info_.has_colors;
+    info_.has_weights = !plan.is_soup && !mesh.weights.empty();
 }
 
 std::vector<BatchSource::Range> BatchSource::cut(std::uint64_t n, const BatchPlan& plan) {
@@ -55,6 +56,7 @@ bool BatchSource::next_vertices(VertexBatch& batch) {
         batch.positions.push_back(mesh_.positions[i]);
         if (!mesh_.normals.empty()) batch.normals.push_back(mesh_.normals[i]);
         if (!mesh_.colors.empty()) batch.colors.push_back(mesh_.colors[i]);
+        if (!mesh_.weights.empty()) batch.weights.push_back(mesh_.weights[i]);
     }
     return true;
 }

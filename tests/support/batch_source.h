@@ -18,7 +18,7 @@ struct BatchPlan {
     bool is_soup = false;  ///< points instead of corners
 };
 
-/// Keeps a reference to `mesh`. Colours and normals are passed on for indexed plans.
+/// Keeps a reference to `mesh`. Colours, normals and weights are passed on for indexed plans.
 class BatchSource final : public MeshSource {
   public:
     BatchSource(const Mesh& mesh, const BatchPlan& plan);

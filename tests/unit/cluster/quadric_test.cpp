@@ -4,7 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
+
+#include "cluster/attribute_quadric.h"
+#include "ooc/vec3.h"
 
 #include "tests/support/shapes.h"
 
@@ -107,6 +112,59 @@ TEST(MinimumFrom, StaysAtTheMeanWhereNothingIsSaid) {
 
     const Quadric nothing;
     EXPECT_EQ(minimum_from(nothing, eigen_decomposition(nothing.a), mean), mean);
+}
+
+TEST(AttributeQuadric, LeavesWhatTheBestValuesLeave) {
+    test::Random random(5);
+    struct Piece {
+        double weight;
+        std::array<Vec3, kFittedAttributes> slopes;
+        std::array<double, kFittedAttributes> levels;
+    };
+    std::vector<Piece> pieces(4);
+    AttributeQuadric q;
+    for (Piece& piece : pieces) {
+        piece.weight = random.between(0.1, 2);
+        for (Vec3& g : piece.slopes) g = random_point(random);
+        for (double& d : piece.levels) d = random.between(-1, 1);
+        q.add_piece(piece.weight, piece.slopes, piece.levels);
+    }
+    const Vec3 origin = random_point(random);
+    const AttributeQuadric moved = q.relative_to(origin);
+    for (int i = 0; i < 20; ++i) {
+        const Vec3 x = random_point(random);
+        double expected = 0;
+        for (std::size_t j = 0; j < kFittedAttributes; ++j) {
+            double sum = 0;
+            double weight = 0;
+            for (const Piece& p : pieces) {
+                sum += p.weight * (dot(p.slopes[j], x) + p.levels[j]);
+                weight += p.weight;
+            }
+            const double best = sum / weight;
+            EXPECT_NEAR(q.value(j, x), best, 1e-12);
+            EXPECT_NEAR(moved.value(j, x - origin), best, 1e-12);
+            for (const Piece& p : pieces) {
+                const double d = dot(p.slopes[j], x) + p.levels[j] - best;
+                expected += p.weight * d * d;
+            }
+        }
+        EXPECT_NEAR(q.reduced().error(x), expected, 1e-11);
+        EXPECT_NEAR(moved.reduced().error(x - origin), expected, 1e-11);
+        const AttributeQuadric single = CellAttributeQuadric(moved).at(origin);
+        EXPECT_NEAR(single.reduced().error(x), expected, 1e-4);
+    }
+}
+
+TEST(AttributeQuadric, OfOneLinearFieldIsNothing) {
+    test::Random random(6);
+    std::array<Vec3, kFittedAttributes> slopes;
+    std::array<double, kFittedAttributes> levels;
+    for (Vec3& g : slopes) g = random_point(random);
+    for (double& d : levels) d = random.between(-1, 1);
+    AttributeQuadric q;
+    for (int i = 0; i < 5; ++i) q.add_piece(random.between(0.1, 2), slopes, levels);
+    for (int i = 0; i < 20; ++i) EXPECT_NEAR(q.reduced().error(random_point(random)), 0, 1e-12);
 }
 
 }  // namespace hewer::cluster

@@ -59,7 +59,7 @@ std::vector<char> snapshot(const ClusterMesh& mesh) {
     }
     add_spool(bytes, mesh.vertices);
     add_spool(bytes, mesh.n_cells);
-    add_spool(bytes, mesh.attributes);
+    add_spool(bytes, mesh.attributes.sums);
     add_spool(bytes, mesh.faces);
     return bytes;
 }

@@ -226,7 +226,7 @@ TEST(ClusterMeshBuilder, GroupsBecomeClustersAndFacesFollow) {
         red[cluster_of_cell[i]] += attributes[i].color[0];
     }
     EXPECT_EQ(contents(result.n_cells), n_cells);
-    const auto result_attributes = contents(result.attributes);
+    const auto result_attributes = contents(result.attributes.sums);
     for (std::uint32_t c = 0; c < n_clusters; ++c) {
         EXPECT_EQ(result_attributes[c].color[0], red[c]);
         const Vec3 expected =

@@ -40,7 +40,7 @@ rsimp::MeshStore store_mesh(ooc::Context& context, const Mesh& mesh,
     rsimp::MeshStore store;
     store.origin = kStoreOrigin;
     store.vertices = {context, "vertices"};
-    store.attributes = {context, "attributes"};
+    store.attributes.sums = {context, "attributes"};
     store.faces = {context, "faces"};
     for (const std::size_t v : order_of(ids)) {
         rsimp::StoredVertex record{};
@@ -64,7 +64,7 @@ rsimp::MeshStore store_mesh(ooc::Context& context, const Mesh& mesh,
                 a.color[i] = 3 * static_cast<float>(mesh.colors[v][i]);
             }
         }
-        store.attributes.push(a);
+        store.attributes.sums.push(a);
     }
     std::vector<rsimp::Face> faces;
     for (const Triangle& t : mesh.triangles) {

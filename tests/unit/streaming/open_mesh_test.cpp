@@ -3,8 +3,12 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <array>
+#include <filesystem>
 #include <fstream>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "hewer/error.h"
 #include "hewer/mesh_source.h"
@@ -219,6 +223,77 @@ TEST(NamedFormat, DecidesWhatTheContentDoesNotTell) {
     EXPECT_NE(refusal(stl).find("not a mesh file"), std::string::npos);
     EXPECT_EQ(open_mesh(stl, {.format = "stl"})->info().n_faces, 1U);
     EXPECT_THROW((void)open_mesh(stl, {.format = "doc"}), InvalidArgument);
+}
+
+/// Three vertices with a number each, whose name is `quality`.
+std::string weighed_ply(const std::string& format, const std::string& type,
+                        const std::array<double, 3>& weights) {
+    std::string file = "ply\nformat " + format +
+                       " 1.0\nelement vertex 3\nproperty float x\nproperty " + type +
+                       " quality\nproperty float y\nproperty float z\nelement face 1\n"
+                       "property list uchar int vertex_indices\nend_header\n";
+    const auto put = [&](const std::string& of, double value) {
+        file += test::ply_value(format, of, value);
+        if (format == "ascii") file += ' ';
+    };
+    for (std::size_t v = 0; v < 3; ++v) {
+        put("float", v == 1 ? 1 : 0);
+        put(type, weights[v]);
+        put("float", v == 2 ? 1 : 0);
+        put("float", 0);
+    }
+    put("uchar", 3);
+    for (const double id : {0.0, 1.0, 2.0}) put("int", id);
+    return file;
+}
+
+std::vector<float> weights_of(MeshSource& source) {
+    std::vector<float> weights;
+    source.begin_vertices();
+    for (VertexBatch batch; source.next_vertices(batch);) {
+        weights.insert(weights.end(), batch.weights.begin(), batch.weights.end());
+    }
+    return weights;
+}
+
+TEST(WeightProperty, IsAnyNumberOfThePlyVertices) {
+    const test::TempDir dir;
+    for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
+        for (const char* type : {"float", "double", "uchar", "int"}) {
+            const auto path = dir.write("a.ply", weighed_ply(format, type, {3, 0, 7}));
+            const auto source = open_mesh(path, {.weight_property = "quality"});
+            EXPECT_TRUE(source->info().has_weights);
+            EXPECT_TRUE(source->info().ignored.empty());
+            EXPECT_EQ(weights_of(*source), (std::vector<float>{3, 0, 7})) << format << type;
+            const auto plain = open_mesh(path);
+            EXPECT_FALSE(plain->info().has_weights);
+            EXPECT_TRUE(weights_of(*plain).empty());
+        }
+    }
+}
+
+TEST(WeightProperty, IsReadFromEachOfSeveralFiles) {
+    const test::TempDir dir;
+    const auto a = dir.write("a.ply", weighed_ply("ascii", "float", {1, 2, 3}));
+    const auto b = dir.write("b.ply", weighed_ply("binary_little_endian", "float", {4, 5, 6}));
+    const auto source =
+        open_mesh(std::vector<std::filesystem::path>{a, b}, {.weight_property = "quality"});
+    EXPECT_EQ(weights_of(*source), (std::vector<float>{1, 2, 3, 4, 5, 6}));
+}
+
+TEST(WeightProperty, ThatIsNotThereIsRefusedWithTheNamesOfThoseThatAre) {
+    const test::TempDir dir;
+    const auto path = dir.write("a.ply", weighed_ply("ascii", "float", {1, 2, 3}));
+    const std::string why = refusal(path, {.weight_property = "confidence"});
+    EXPECT_NE(why.find("'confidence'"), std::string::npos) << why;
+    EXPECT_NE(why.find("x, quality, y, z"), std::string::npos) << why;
+}
+
+TEST(WeightProperty, OfAnotherFormatIsRefused) {
+    const test::TempDir dir;
+    const auto path = dir.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    const std::string why = refusal(path, {.weight_property = "quality"});
+    EXPECT_NE(why.find("needs a PLY"), std::string::npos) << why;
 }
 
 }  // namespace
