@@ -25,7 +25,7 @@ namespace {
 constexpr double kLeastPull = 0.1;
 constexpr double kMuchLost = 0.02;  // of the samples' cells
 constexpr double kFar = 6;
-constexpr double kMostFar = 12;
+constexpr double kMostFar = 400;
 constexpr double kCommonShare = 0.5;
 constexpr double kMostDistance = 0.5;
 // The common RMS is first looked for in about so many regions.
