@@ -186,7 +186,6 @@ class Pass {
         table.set_overflow(
             {most_cells, [&] { runs.add(table, triples); },
              [&] { return n_pieces.load(std::memory_order_relaxed) > most_pieces; }});
-        std::uint64_t n_bad_weights = 0;
         const auto add_attributes = [&] {
             if (!info.is_indexed || !(with_attributes || extras.weights)) return;
             result.defects.bad_weights = cluster::add_vertex_attributes(
