@@ -304,6 +304,7 @@ void CellRuns::merge_cells(const std::vector<Level>& levels, double border_weigh
         if (extras_.attributes) attributes.push_back(make_attributes(attribute_sums, fixed));
         if (extras_.weights) weights.push_back(make_weight(weight_sums));
         if (codes.size() == kPiece) flush();
+    });
     flush();
     cutter.finish();
 }

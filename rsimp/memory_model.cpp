@@ -189,7 +189,6 @@ std::uint64_t least_limit(const SimplifyOptions& options, const SourceInfo& info
         counts.clusters = info.is_indexed ? info.n_vertices : info.n_faces;
         counts.lod_vertices = counts.clusters;
     }
-    constexpr std::uint64_t kMiB = 1 << 20;
     return (least_memory_bytes(counts) / kMiB + 1) * kMiB;
 }
 
