@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "fidelity/budget_search.h"
@@ -134,9 +135,17 @@ class Search {
         const std::uint64_t kept =
             KeptMesh::kBytesPerTriangle * (budget + (best_ ? best_->budget : 0));
         options_.memory_bytes = limit_ - std::min(limit_ - 1, kept);
-        options_.targets = {{Target::Kind::Triangles, static_cast<double>(budget)}};
+        SimplifyOptions options = options_;
+        if (budget < source_->info().n_faces) {
+            options.targets = {{Target::Kind::Triangles, static_cast<double>(budget)}};
+        } else {
+            // The input itself, unless the user has chosen otherwise: that is near enough for sure.
+            options.targets = {{Target::Kind::Ratio, 1}};
+            options.feedback_distance = 0;
+            options.feedback_rounds = asked_feedback_;
+        }
         one->report = simplify(
-            *source_, [&](std::size_t) { return one->mesh.sink(); }, options_,
+            *source_, [&](std::size_t) { return one->mesh.sink(); }, options,
             progress_.hooks(0, 0.6));
         MeasureOptions how;
         how.memory_bytes = options_.memory_bytes;
@@ -161,6 +170,7 @@ class Search {
 
     std::unique_ptr<MeshSource> source_;
     SimplifyOptions options_;
+    std::optional<unsigned> asked_feedback_ = options_.feedback_rounds;
     Target target_;
     std::uint64_t limit_;
     SearchProgress progress_;

@@ -129,47 +129,15 @@ double surface_error(const ColoredMesh& original, const std::vector<double>& are
     return 255 * std::sqrt(sum / (3 * area));
 }
 
-/// In pieces of about a pixel, since the rasteriser knows one colour a triangle.
-void draw(raster::Rasteriser& rasteriser, double pixel, const std::array<Vec3, 3>& p,
-          const std::array<Rgb, 3>& c) {
-    std::size_t longest = 0;
-    double most = 0;
-    for (std::size_t i = 0; i < 3; ++i) {
-        const Vec3 edge = p[(i + 1) % 3] - p[i];
-        if (dot(edge, edge) > most) {
-            most = dot(edge, edge);
-            longest = i;
-        }
-    }
-    if (most <= pixel * pixel) {
-        Rgb mean{};
-        for (const Rgb& corner : c) {
-            for (std::size_t k = 0; k < 3; ++k) mean[k] += corner[k] / 3;
-        }
-        rasteriser.draw(p, &mean);
-        return;
-    }
-    const std::size_t i = longest;
-    const std::size_t j = (i + 1) % 3;
-    Rgb color{};
-    for (std::size_t k = 0; k < 3; ++k) color[k] = 0.5F * (c[i][k] + c[j][k]);
-    auto p1 = p;
-    auto p2 = p;
-    auto c1 = c;
-    auto c2 = c;
-    p1[j] = p2[i] = 0.5 * (p[i] + p[j]);
-    c1[j] = c2[i] = color;
-    draw(rasteriser, pixel, p1, c1);
-    draw(rasteriser, pixel, p2, c2);
-}
-
 std::vector<std::uint8_t> pictures(const ColoredMesh& mesh, const bench::Sphere& sphere) {
-    return bench::render_views(sphere, [&](raster::Rasteriser& rasteriser, double pixel) {
+    return bench::render_views(sphere, [&](raster::Rasteriser& rasteriser, double /*pixel*/) {
         for (const auto& f : mesh.faces) {
-            draw(rasteriser, pixel,
-                 {mesh.positions[f[0]] - sphere.center, mesh.positions[f[1]] - sphere.center,
-                  mesh.positions[f[2]] - sphere.center},
-                 {mesh.colors[f[0]], mesh.colors[f[1]], mesh.colors[f[2]]});
+            const raster::Rasteriser::Paint paint{mesh.colors[f[0]], mesh.colors[f[1]],
+                                                  mesh.colors[f[2]]};
+            rasteriser.draw({mesh.positions[f[0]] - sphere.center,
+                             mesh.positions[f[1]] - sphere.center,
+                             mesh.positions[f[2]] - sphere.center},
+                            &paint);
         }
     });
 }

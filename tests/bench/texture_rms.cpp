@@ -93,7 +93,7 @@ Pixels picture(const Draw& draw, const Vec3& toward, const Sphere& sphere) {
 
 Sphere bounding_sphere(const TexturedObj& mesh) {
     Bounds bounds;
-    for (const auto& p : mesh.positions) bounds.extend({p[0], p[1], p[2]});
+    for (const auto& p : mesh.positions) bounds.extend(Vec3{p[0], p[1], p[2]});
     return {bounds.center(), 0.5 * bounds.diagonal()};
 }
 

@@ -16,7 +16,7 @@ using hewer::Mesh;
 using hewer::tests::wavy_sheet;
 
 /// Plain, quantised, and compressed both ways; as one file and as two.
-void write(const std::filesystem::path& folder, const std::string& name, const Mesh& mesh) {
+void write_gltf(const std::filesystem::path& folder, const std::string& name, const Mesh& mesh) {
     using hewer::Compression;
     for (const char* extension : {".glb", ".gltf"}) {
         for (const bool is_quantized : {false, true}) {
@@ -85,7 +85,7 @@ int main(int argc, char** argv) {
         if (is_draco) {
             write_all(argv[2], write_draco);
         } else {
-            write_all(argv[1], write);
+            write_all(argv[1], write_gltf);
         }
     } catch (const std::exception& e) {
         std::cerr << e.what() << '\n';
