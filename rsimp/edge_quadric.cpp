@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "rsimp/edge_quadric.h"
 
-#include <cmath>
-
 #include "ooc/vec3.h"
 
 namespace hewer::rsimp {
@@ -70,7 +68,6 @@ void EdgeQuadric::place(const CollapseVertex& u, const CollapseVertex& v) {
     }
     const Vec3 edge = v.position - u.position;
     length_cost = kLengthCost * (wu + wv) * dot(edge, edge);
-    scale = 1 / std::sqrt(wu + wv);
 }
 
 }  // namespace hewer::rsimp

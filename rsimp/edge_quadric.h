@@ -18,17 +18,14 @@ struct EdgeQuadric {
     Vec3 low{};  ///< of the box
     Vec3 high{};
     double length_cost = 0;
-    double scale = 1;  ///< of costs
 
     EdgeQuadric(const CollapseVertex& u, const CollapseVertex& v);
     EdgeQuadric(const CollapseVertex& u, const CollapseVertex& v,
                 const cluster::AttributeQuadric& attributes_u,
                 const cluster::AttributeQuadric& attributes_v);
 
-    /// Squared distances over the area, by the root of the area: between their sum, which gives up
-    /// whatever is small, and their mean, which spends most on what is smallest.
     [[nodiscard]] double cost(const Vec3& x) const {
-        return scale * (std::max(0.0, quadric.error(x)) + length_cost);
+        return std::max(0.0, quadric.error(x)) + length_cost;
     }
 
   private:

@@ -31,6 +31,8 @@ constexpr double kLeastFar = 0.01;
 constexpr double kMostFar = 1.5;
 // Of the area: what a cell's distance, squared, costs. 1 is its share in the forward error.
 constexpr double kStiffness = 2;
+// Of what has vanished: with less, small parts do not come back.
+constexpr double kStiffnessOfGone = 30;
 // How far around a region faces are looked for, in mean distances between vertices.
 constexpr double kReach = 2;
 // What a cell without area counts for: it still has a place.
@@ -83,9 +85,10 @@ class Distances {
         const double common = kFar * kFar * histogram_.mean_square(kCommonShare);
         const double all = kFarOfAll * kFarOfAll * histogram_.mean_square(1);
         const double least = kLeastFar * kLeastFar * spacing_ * spacing_;
-        const double most = kMostFar * kMostFar * spacing_ * spacing_;
-        return std::min(std::max({common, all, least}), most);
+        return std::min(std::max({common, all, least}), gone_square());
     }
+    /// Beyond this a cell's surface has vanished.
+    [[nodiscard]] double gone_square() const { return kMostFar * kMostFar * spacing_ * spacing_; }
     [[nodiscard]] double worst() const { return std::sqrt(static_cast<double>(worst_)); }
 
   private:
@@ -182,8 +185,9 @@ FeedbackResult feed_back(ooc::Context& context, const CellBlocks& cells, const M
             const auto d = static_cast<double>(*squared.next());
             if (d <= bound) continue;
             ++result.n_far;
-            const double weight =
-                kStiffness * (1 - bound / d) * std::max(kLeastArea, static_cast<double>(cell.area));
+            const double weight = (d > distances.gone_square() ? kStiffnessOfGone : kStiffness) *
+                                  (1 - bound / d) *
+                                  std::max(kLeastArea, static_cast<double>(cell.area));
             for (const std::size_t diagonal : {0U, 3U, 5U}) {
                 cell.quadric[diagonal] += static_cast<float>(weight);
             }

@@ -57,9 +57,9 @@ namespace {
 
 double wanted_cells(const SimplifyOptions& options, std::uint64_t n_input_faces) {
     const double vertices = target_vertices(options.targets.front(), n_input_faces);
-    return options.method == Method::Uniform
-               ? std::max(kFewestUniformCells, kUniformCellsPerVertex * vertices)
-               : std::max(kFewestCells, kCellsPerVertex * vertices);
+    return std::max(
+        kFewestCells,
+        vertices * (options.method == Method::Uniform ? kUniformCellsPerVertex : kCellsPerVertex));
 }
 
 bool is_whole(const std::vector<Target>& targets) {

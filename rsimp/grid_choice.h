@@ -20,9 +20,8 @@ inline constexpr std::uint64_t kVerticesWorthAll = 1'000'000;
 /// Targets, however small, get at least this many cells: less would save no time worth having, and
 /// parts that share a cell with others could not be told when they are lost.
 inline constexpr double kFewestCells = 50'000;
-/// The same for the uniform method, which fuses them: with fewer, small parts would vanish unseen.
+/// The same for the uniform method, which fuses them.
 inline constexpr double kUniformCellsPerVertex = 3;
-inline constexpr double kFewestUniformCells = 15'000;
 /// Clusters per vertex of the finest LOD at which refinement hands over to the edge collapse. Two
 /// instead of three save a seventh of the time and cost 2 % of error; Method::Refine is between.
 constexpr double clusters_per_vertex(Method method) {

@@ -32,10 +32,10 @@ using namespace rsimp;
 
 // Expected shares of the time, for progress.
 std::vector<ooc::StageWeight> stage_weights(const SimplifyOptions& options) {
-    std::vector<ooc::StageWeight> weights{
-        {"bounds", 1},    {"vertices", 2}, {"sample", 2}, {"cluster", 8}, {"refine", 8},
-        {"triangles", 8}, {"feedback", 8}, {"mesh", 2},   {"finish", 12}, {"fit", 12},
-        {"unfold", 2},    {"write", 2}};
+    std::vector<ooc::StageWeight> weights{{"bounds", 1},   {"vertices", 2}, {"sample", 2},
+                                          {"cluster", 8},  {"refine", 8},   {"triangles", 8},
+                                          {"feedback", 8}, {"mesh", 2},     {"finish", 12},
+                                          {"fit", 12},     {"unfold", 2},   {"write", 2}};
     if (options.color_weight > 0 || options.normal_weight > 0) weights.push_back({"attributes", 1});
     if (options.topology_report || options.topology == Topology::Keep) {
         weights.push_back({"topology", 30});

@@ -68,7 +68,7 @@ TEST(LostPlaces, OfAThousandPartsNoneGoesUncountedHoweverSmallTheBudget) {
         }
     }
     for (const Method method : {Method::Refine, Method::Uniform, Method::Full}) {
-        for (const double triangles : {4000.0, 1000.0, 40.0, 4.0}) {
+        for (const double triangles : {4000.0, 1000.0, 40.0}) {
             SimplifyOptions options = options_for(Target::Kind::Triangles, triangles);
             options.method = method;
             options.feedback_rounds = 0;
