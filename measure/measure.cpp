@@ -65,7 +65,8 @@ class Measurement {
                     {"triangles", 8},
                     {"map", options.map.empty() ? 0.0 : 3.0}}) {
         // Refused before the work, not after.
-        if (!options.map.empty()) map_ = create_mesh_file(options.map, {.overwrite = options.overwrite});
+        if (!options.map.empty())
+            map_ = create_mesh_file(options.map, {.overwrite = options.overwrite});
     }
 
     MeasureReport run();

@@ -32,8 +32,8 @@ constexpr double clusters_per_vertex(Method method) {
 inline constexpr double kWorthRefining = 1.3;
 /// Rounds of feedback, unless told otherwise.
 inline constexpr unsigned kFeedbackRounds = 2;
-/// Rounds of the fit, unless told otherwise: the third and fourth gain 1 to 4 % on clean scans, lose
-/// as much on rough ones, and cost a sixth of the time of Method::Refine (docs/fit.md).
+/// Rounds of the fit, unless told otherwise: the third and fourth gain 1 to 4 % on clean scans,
+/// lose as much on rough ones, and cost a sixth of the time of Method::Refine (docs/fit.md).
 constexpr unsigned default_fit_rounds(Method method) {
     if (method == Method::Uniform || method == Method::Copy) return 0;
     return method == Method::Refine ? 2 : 4;
@@ -42,8 +42,8 @@ constexpr unsigned default_fit_rounds(Method method) {
 inline constexpr double kFewCellsPerVertex = 6;
 /// With an error bound E the cells are at most E / kCellsPerError long.
 inline constexpr double kCellsPerError = 8;
-/// With a distance to keep (SimplifyOptions::feedback_distance) those of Method::Full are at most so
-/// many parts of it long, but for this factor on the usual resolution: collapses are clamped to
+/// With a distance to keep (SimplifyOptions::feedback_distance) those of Method::Full are at most
+/// so many parts of it long, but for this factor on the usual resolution: collapses are clamped to
 /// cells, and need some room.
 inline constexpr double kCellsPerDistance = 2;
 inline constexpr double kMostSeparation = 4;

@@ -36,9 +36,10 @@ void warn_of(ooc::Context& context, const std::string& name, const InputDefects&
                      d.first_out_of_range);
     }
     if (d.bad_weights > 0) {
-        context.warn(name + ": " + std::to_string(d.bad_weights) +
-                     " weights of vertices are no numbers from 0 to 1000: larger ones were taken as "
-                     "1000, others as 1");
+        context.warn(
+            name + ": " + std::to_string(d.bad_weights) +
+            " weights of vertices are no numbers from 0 to 1000: larger ones were taken as "
+            "1000, others as 1");
     }
 }
 

@@ -342,8 +342,8 @@ class GltfWriter final : public FileSink {
             const double step = step_of(draco_bits_, header().bounds);
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 const double n = std::ceil((layout_.max[axis] - layout_.min[axis]) / step);
-                layout_.max[axis] = static_cast<double>(
-                    static_cast<float>(layout_.min[axis] + n * step));
+                layout_.max[axis] =
+                    static_cast<double>(static_cast<float>(layout_.min[axis] + n * step));
             }
         }
         layout_.n_vertices = encoded.n_points;

@@ -38,8 +38,8 @@ void ImageRows::set_size(std::uint64_t width, std::uint64_t height) {
 
 std::unique_ptr<ImageRows> open_image(const FileRange& range, ooc::MemoryBudget& budget) {
     std::array<char, 16> start{};
-    const std::size_t n = range.file->read_at(
-        range.offset, start.data(), std::min<std::uint64_t>(start.size(), range.n_bytes));
+    const std::size_t n = range.file->read_at(range.offset, start.data(),
+                                              std::min<std::uint64_t>(start.size(), range.n_bytes));
     const std::string_view begin(start.data(), n);
     if (begin.starts_with("\x89PNG\r\n\x1a\n")) return open_png(range, budget);
     if (begin.starts_with("\xff\xd8\xff")) return open_jpeg(range, budget);

@@ -18,7 +18,8 @@ struct ImageProblem {
 };
 
 /// Rows from top to bottom, whatever the file has: palettes, grey and 16 bits become 8 bits of red,
-/// green and blue; alpha is left out. Profiles and gamma chunks are not looked at: numbers are sRGB.
+/// green and blue; alpha is left out. Profiles and gamma chunks are not looked at: numbers are
+/// sRGB.
 class ImageRows {
   public:
     /// What is refused beyond, whatever a header says.
@@ -43,8 +44,8 @@ class ImageRows {
 
 /// The image in a file or in a part of one, by its content. Only the header is read.
 ///
-/// Memory, reserved: of images that are stored row by row a few rows. Interlaced PNG is decoded as a
-/// whole, 3 bytes a pixel; progressive JPEG waits as a whole, 2 bytes a coefficient (3 to 6 a
+/// Memory, reserved: of images that are stored row by row a few rows. Interlaced PNG is decoded as
+/// a whole, 3 bytes a pixel; progressive JPEG waits as a whole, 2 bytes a coefficient (3 to 6 a
 /// pixel). Throws: ImageProblem, IoError, OutOfMemoryBudget.
 std::unique_ptr<ImageRows> open_image(const FileRange& range, ooc::MemoryBudget& budget);
 

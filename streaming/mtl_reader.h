@@ -31,8 +31,8 @@ using MtlLibrary = std::map<std::string, MtlMaterial, std::less<>>;
 std::filesystem::path find_beside(const std::filesystem::path& folder, std::string name);
 
 /// Adds the materials of `path` to `library`. Statements that say nothing of colour are read over.
-/// Memory: the file, at most kMostMtlBytes, reserved while it is read. Throws: IoError; FormatError:
-/// a larger file; OutOfMemoryBudget.
+/// Memory: the file, at most kMostMtlBytes, reserved while it is read. Throws: IoError;
+/// FormatError: a larger file; OutOfMemoryBudget.
 void read_mtl(ooc::Context& context, const std::filesystem::path& path, MtlLibrary& library);
 
 constexpr std::uint64_t kMostMtlBytes = 16 << 20;

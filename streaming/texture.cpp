@@ -77,9 +77,9 @@ class PyramidBuilder {
         const std::size_t in_tile = std::size_t{y % kSide} * kSide;
         for (std::size_t x = 0; x < row.size(); x += kSide) {
             const std::size_t n = std::min<std::size_t>(kSide, row.size() - x);
-            std::copy_n(row.begin() + static_cast<std::ptrdiff_t>(x), n,
-                        open.tiles[x / kSide].texels.begin() +
-                            static_cast<std::ptrdiff_t>(in_tile));
+            std::copy_n(
+                row.begin() + static_cast<std::ptrdiff_t>(x), n,
+                open.tiles[x / kSide].texels.begin() + static_cast<std::ptrdiff_t>(in_tile));
         }
     }
     void append_tiles(std::size_t l) {

@@ -26,9 +26,9 @@ struct TextureTile {
     std::array<Texel, std::size_t{kSide} * kSide> texels;
 };
 
-/// Level 0 is the image; each next one has half the width and height, rounded up, down to one texel:
-/// means of two by two texels, fewer at the edges, so that texel (x, y) of level l stands for the
-/// texels x * 2^l .. and y * 2^l .. of the image, whatever its size.
+/// Level 0 is the image; each next one has half the width and height, rounded up, down to one
+/// texel: means of two by two texels, fewer at the edges, so that texel (x, y) of level l stands
+/// for the texels x * 2^l .. and y * 2^l .. of the image, whatever its size.
 class Texture {
   public:
     struct Level {
@@ -38,8 +38,8 @@ class Texture {
     };
 
     /// Reads the image through, appending tiles to `tiles`. Memory: a row of tiles for each level,
-    /// some 200 bytes a column of the image, while it runs. Throws: as ImageRows, OutOfMemoryBudget,
-    /// OutOfDiskBudget, Cancelled.
+    /// some 200 bytes a column of the image, while it runs. Throws: as ImageRows,
+    /// OutOfMemoryBudget, OutOfDiskBudget, Cancelled.
     Texture(ooc::Context& context, ImageRows& image, ooc::Spool<TextureTile>& tiles);
 
     [[nodiscard]] const std::vector<Level>& levels() const { return levels_; }
@@ -64,8 +64,7 @@ class TexelCache {
     /// Precondition: x and y are inside the level.
     const Texel& at(const Texture::Level& level, std::uint32_t x, std::uint32_t y) {
         constexpr std::uint32_t kMask = TextureTile::kSide - 1;
-        const std::uint64_t tile =
-            level.rows[y >> TextureTile::kBits] + (x >> TextureTile::kBits);
+        const std::uint64_t tile = level.rows[y >> TextureTile::kBits] + (x >> TextureTile::kBits);
         const std::size_t i = (y & kMask) << TextureTile::kBits | (x & kMask);
         if (tile != last_) find(tile);
         return found_->texels[i];

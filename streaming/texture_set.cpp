@@ -10,8 +10,7 @@
 namespace hewer::streaming {
 
 std::optional<std::size_t> TextureSet::add(const std::string& name,
-                                           const std::function<FileRange()>& find,
-                                           bool is_strict) {
+                                           const std::function<FileRange()>& find, bool is_strict) {
     std::unique_ptr<ImageRows> image;
     try {
         image = open_image(find(), context_.budget());

@@ -84,9 +84,8 @@ class Painter {
             const auto& v = t.corners;
             if (t.paint >= mesh_.paints.size() ||
                 std::max({v[0], v[1], v[2]}) >= mesh_.n_vertices ||
-                std::none_of(v.begin(), v.end(), [&](std::uint64_t id) {
-                    return id >= first && id < last;
-                })) {
+                std::none_of(v.begin(), v.end(),
+                             [&](std::uint64_t id) { return id >= first && id < last; })) {
                 continue;
             }
             const auto colors = colors_of(t);
@@ -138,8 +137,7 @@ class Painter {
     TextureFilter filter_;
 };
 
-void add(const std::vector<Contribution>& found, std::uint64_t first,
-         ooc::Array<ColorSum>& sums) {
+void add(const std::vector<Contribution>& found, std::uint64_t first, ooc::Array<ColorSum>& sums) {
     for (const Contribution& c : found) {
         ColorSum& sum = sums[c.vertex - first];
         for (std::size_t k = 0; k < 3; ++k) {

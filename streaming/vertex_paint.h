@@ -58,9 +58,10 @@ using VertexColor = std::optional<MeanColor>;
 ///
 /// One pass over the triangles for as many vertices as there is memory for; sums are added in the
 /// order of the triangles, so nothing depends on threads or memory. Triangles that use positions or
-/// coordinates from all over a file that memory does not hold are slow. Memory: 32 bytes a vertex of
-/// a pass, caches of vertices and tiles for each thread; all together three quarters of what is free
-/// at most, and at least 2 MiB a thread. Throws: as the loaders do, OutOfMemoryBudget, Cancelled.
+/// coordinates from all over a file that memory does not hold are slow. Memory: 32 bytes a vertex
+/// of a pass, caches of vertices and tiles for each thread; all together three quarters of what is
+/// free at most, and at least 2 MiB a thread. Throws: as the loaders do, OutOfMemoryBudget,
+/// Cancelled.
 void paint_vertices(ooc::Context& context, const PaintedMesh& mesh, const TextureSet& textures,
                     const std::function<void(std::span<const VertexColor>)>& take);
 

@@ -134,10 +134,10 @@ std::vector<std::uint8_t> pictures(const ColoredMesh& mesh, const bench::Sphere&
         for (const auto& f : mesh.faces) {
             const raster::Rasteriser::Paint paint{mesh.colors[f[0]], mesh.colors[f[1]],
                                                   mesh.colors[f[2]]};
-            rasteriser.draw({mesh.positions[f[0]] - sphere.center,
-                             mesh.positions[f[1]] - sphere.center,
-                             mesh.positions[f[2]] - sphere.center},
-                            &paint);
+            rasteriser.draw(
+                {mesh.positions[f[0]] - sphere.center, mesh.positions[f[1]] - sphere.center,
+                 mesh.positions[f[2]] - sphere.center},
+                &paint);
         }
     });
 }

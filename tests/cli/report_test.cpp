@@ -22,11 +22,10 @@ Keys keys_of(const json& object) {
     return keys;
 }
 
-const Keys input_keys{"path",        "format",      "bytes",         "opening_seconds",
-                      "vertices",    "faces",       "triangles",     "bounds",
-                      "has_normals", "has_colors",  "has_weights",   "textures",
-                      "ignored",     "defects",     "area",          "vertex_passes",
-                      "basis",       "triangle_passes"};
+const Keys input_keys{
+    "path",      "format",  "bytes",       "opening_seconds", "vertices",    "faces",
+    "triangles", "bounds",  "has_normals", "has_colors",      "has_weights", "textures",
+    "ignored",   "defects", "area",        "vertex_passes",   "basis",       "triangle_passes"};
 
 TEST(CliInfo, tells_counts_bounds_and_area) {
     const ScratchDir dir;
@@ -117,8 +116,7 @@ TEST(CliReport, of_simplify_has_all_figures) {
     const json& lod = report["lods"][0];
     EXPECT_EQ(keys_of(lod), (Keys{"path", "target", "target_triangles", "triangles", "vertices",
                                   "bounds", "error_bound", "quantization", "lost_cells", "lost",
-                                  "fit", "folded", "topology", "measured", "is_nested",
-                                  "bytes"}));
+                                  "fit", "folded", "topology", "measured", "is_nested", "bytes"}));
     EXPECT_EQ(lod["target"], (json{{"kind", "triangles"}, {"value", 500}}));
     EXPECT_LE(lod["triangles"], 500);
     EXPECT_GE(lod["triangles"], 495);

@@ -173,7 +173,8 @@ TEST_F(Images, PyramidsHaveTheMeansOfTheirTexels) {
                             sum += picture.rgb[3 * ((y * step + j) * width + x * step + i)];
                         }
                     }
-                    ASSERT_NEAR(cache.at(levels[l], x, y)[0], sum / (step * step), 0.5 + 0.3 * static_cast<double>(l));
+                    ASSERT_NEAR(cache.at(levels[l], x, y)[0], sum / (step * step),
+                                0.5 + 0.3 * static_cast<double>(l));
                 }
             }
         }

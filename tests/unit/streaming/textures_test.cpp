@@ -41,8 +41,8 @@ const std::string kSquare =
     "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl paint\n";
 const std::string kFaces = "f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n";
 
-/// A corner's third of a triangle ends where the next quarter begins, and a sample is as wide as its
-/// part of the triangle: some of the other side's colour is right.
+/// A corner's third of a triangle ends where the next quarter begins, and a sample is as wide as
+/// its part of the triangle: some of the other side's colour is right.
 void expect_color(const Rgba16& color, const Rgb8& expected, double most = 10) {
     for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(color[k] / 257.0, expected[k], most) << k;
 }
