@@ -156,8 +156,9 @@ class Region {
     [[nodiscard]] const MeshPiece& piece() const { return piece_; }
 
     /// Moves vertices as long as that turns faces back; ranks are counted from `first_vertex`.
-    std::vector<Move> turn_back(std::uint64_t first_vertex) {
+    std::vector<Move> turn_back(std::uint64_t first_vertex, double most_move) {
         std::vector<Move> moves;
+        most_move_ = most_move;
         if (folded_.empty()) return moves;
         find_corners();
         gather_samples();
@@ -336,7 +337,9 @@ class Region {
         const Vec3 from = piece_.positions[v];
         std::vector<std::pair<Placed, bool>> after(around.size());
         for (const double step : kSteps) {
-            piece_.positions[v] = from + step * (middle - from);
+            const Vec3 shift = step * (middle - from);
+            if (dot(shift, shift) > most_move_ * most_move_) continue;
+            piece_.positions[v] = from + shift;
             std::size_t n_after = 0;
             bool is_safe = true;
             for (std::size_t i = 0; i < around.size() && is_safe; ++i) {
@@ -361,6 +364,7 @@ class Region {
 
     MeshPiece piece_;
     const SampleRuns& samples_;
+    double most_move_ = 0;
     double reach_;
     double spacing_;
     FloatBox box_;  // of the centres, in the frame of the mesh
@@ -404,7 +408,7 @@ bool is_own(const MeshPiece& piece, std::span<const std::uint64_t> vertices, std
 FoldedFaces unfold_faces(ooc::Context& context, MeshStore& mesh,
                          const ooc::Spool<FitSample>& samples,
                          std::span<const cluster::OctreeBox> boxes,
-                         std::span<const std::uint64_t> first_cluster, bool may_move,
+                         std::span<const std::uint64_t> first_cluster, double most_move,
                          const PlaceFrame& frame) {
     FoldedFaces folded;
     if (mesh.faces.empty() || samples.empty()) return folded;
@@ -438,7 +442,8 @@ FoldedFaces unfold_faces(ooc::Context& context, MeshStore& mesh,
                 };
                 work = {};
                 const auto n_before = n_own_faces();
-                if (may_move) work.moves = region.turn_back(regions.first_vertex(r));
+                if (most_move > 0)
+                    work.moves = region.turn_back(regions.first_vertex(r), most_move);
                 work.n_unfolded = static_cast<std::uint64_t>(n_before - n_own_faces());
                 for (const std::uint32_t f : region.folded()) {
                     if (is_own(region.piece(), vertices, f)) {

@@ -22,11 +22,11 @@ namespace hewer::rsimp {
 /// that is there and is not judged; nor is one without area. Collapses turn faces by up to 78
 /// degrees each, and merging cells by any angle, so folds come about however careful each step is.
 ///
-/// With `may_move` they are turned back where that is cheap: a corner of a folded face goes a
-/// quarter, a half, ... of the way to the middle of its neighbours if fewer of its faces are folded
-/// then, and none turns by more than 90 degrees that was not. Border vertices stay. Only vertices
-/// whose neighbours are all of the same region (rsimp/mesh_regions.h) move, so regions do not meet
-/// and neither threads nor memory show.
+/// They are turned back where that is cheap: a corner of a folded face goes a quarter, a half, ...
+/// of the way to the middle of its neighbours, but not farther than `most_move` cells in a step, if
+/// fewer of its faces are folded then, and none turns by more than 90 degrees that was not. Border
+/// vertices stay. Only vertices whose neighbours are all of the same region (rsimp/mesh_regions.h)
+/// move, so regions do not meet and neither threads nor memory show.
 ///
 /// `boxes` and `first_cluster` as for fit(). Two passes over the faces (three where vertices move),
 /// one over the samples, a second over those near folded faces. Memory: MeshRegions, SampleRuns,
@@ -34,7 +34,7 @@ namespace hewer::rsimp {
 FoldedFaces unfold_faces(ooc::Context& context, MeshStore& mesh,
                          const ooc::Spool<FitSample>& samples,
                          std::span<const cluster::OctreeBox> boxes,
-                         std::span<const std::uint64_t> first_cluster, bool may_move,
+                         std::span<const std::uint64_t> first_cluster, double most_move,
                          const PlaceFrame& frame);
 
 }  // namespace hewer::rsimp

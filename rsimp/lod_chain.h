@@ -37,8 +37,8 @@ class LodChain {
     /// unit of the lengths in the report.
     FitReport fit(unsigned rounds, double cell_size);
 
-    /// Counts the faces that show the original their back, and turns them back if vertices may move
-    /// (rsimp/folded_faces.h).
+    /// Counts the faces that show the original their back, and, after a fit, turns them back if
+    /// vertices may move (rsimp/folded_faces.h).
     FoldedFaces unfold(bool may_move);
 
     [[nodiscard]] const MeshStore& mesh() const { return mesh_; }
@@ -65,6 +65,7 @@ class LodChain {
     bool is_kept_ = false;  // the topology
     FinishReport report_;
     MeshStore mesh_;
+    double fit_distance_ = 0;  // RMS, in cells; 0 without a fit
 };
 
 }  // namespace hewer::rsimp

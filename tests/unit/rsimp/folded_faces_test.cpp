@@ -41,7 +41,7 @@ class Folded : public testing::Test {
         store_ = test::store_mesh(context_, mesh_, ids_);
         const std::vector<cluster::OctreeBox> boxes{{0, 63}};
         const std::vector<std::uint64_t> first{0, ids_.size()};
-        return unfold_faces(context_, store_, samples_, boxes, first, may_move,
+        return unfold_faces(context_, store_, samples_, boxes, first, may_move ? 1e9 : 0,
                             {test::kStoreOrigin, 1});
     }
     [[nodiscard]] std::size_t count_turned() const {
