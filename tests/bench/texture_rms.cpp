@@ -32,59 +32,25 @@
 #include "render/rasteriser.h"
 #include "streaming/image_rows.h"
 #include "tests/bench/textured_obj.h"
+#include "tests/bench/views.h"
 
 namespace {
 
 using namespace hewer;
+using bench::Sphere;
 using bench::TexturedObj;
 using raster::Rasteriser;
 
 constexpr unsigned kSide = 512;
-constexpr double kFill = 0.98;
 constexpr unsigned kMostPieces = 16;  // along an edge
 constexpr std::uint64_t kBudget = std::uint64_t{1} << 30;
 
 using Pixels = std::vector<std::uint8_t>;
 using Draw = std::function<void(Rasteriser&)>;
 
-Vec3 unit(const Vec3& v) {
-    return (1 / std::sqrt(dot(v, v))) * v;
-}
-
-std::vector<Vec3> dodecahedron() {
-    const double golden = (1 + std::sqrt(5.0)) / 2;
-    std::vector<Vec3> vertices;
-    for (const double x : {-1.0, 1.0}) {
-        for (const double y : {-1.0, 1.0}) {
-            for (const double z : {-1.0, 1.0}) vertices.push_back(unit({x, y, z}));
-            const Vec3 p{0, x / golden, y * golden};
-            for (std::size_t turn = 0; turn < 3; ++turn) {
-                vertices.push_back(unit({p[turn], p[(turn + 1) % 3], p[(turn + 2) % 3]}));
-            }
-        }
-    }
-    return vertices;
-}
-
-struct Sphere {
-    Vec3 center{};
-    double radius = 0;
-};
-
-raster::Camera camera_at(const Vec3& toward, double radius) {
-    const Vec3 helper = std::abs(toward[2]) < 0.9 ? Vec3{0, 0, 1} : Vec3{0, 1, 0};
-    raster::Camera camera;
-    camera.toward = toward;
-    camera.right = unit(cross(helper, toward));
-    camera.up = cross(toward, camera.right);
-    camera.pixels_per_unit = kFill * 0.5 * kSide / radius;
-    camera.depth_range = 1.5 * radius;
-    return camera;
-}
-
 Pixels picture(const Draw& draw, const Vec3& toward, const Sphere& sphere) {
     ooc::MemoryBudget budget(kBudget);
-    Rasteriser rasteriser(budget, kSide, kSide, camera_at(toward, sphere.radius), {});
+    Rasteriser rasteriser(budget, kSide, kSide, bench::camera_at(toward, sphere.radius, kSide), {});
     draw(rasteriser);
     Pixels pixels(std::size_t{3} * kSide * kSide);
     rasteriser.resolve(pixels);
@@ -198,7 +164,7 @@ struct Difference {
 
 void compare(const Draw& original, const std::vector<Draw>& others, const Sphere& sphere) {
     std::vector<Difference> differences(others.size());
-    for (const Vec3& toward : dodecahedron()) {
+    for (const Vec3& toward : bench::dodecahedron()) {
         const Pixels background = picture([](Rasteriser&) {}, toward, sphere);
         const Pixels wanted = picture(original, toward, sphere);
         for (std::size_t i = 0; i < others.size(); ++i) {
@@ -213,7 +179,8 @@ void compare(const Draw& original, const std::vector<Draw>& others, const Sphere
 void draw_side_by_side(const char* path, const std::vector<Draw>& draws, const Sphere& sphere) {
     Pixels all(draws.size() * 3 * kSide * kSide);
     for (std::size_t i = 0; i < draws.size(); ++i) {
-        const Pixels one = picture(draws[i], unit({0.2, 1, 0.35}), sphere);
+        const Vec3 from{0.2, 1, 0.35};
+        const Pixels one = picture(draws[i], (1 / std::sqrt(dot(from, from))) * from, sphere);
         for (std::size_t y = 0; y < kSide; ++y) {
             std::memcpy(&all[(y * draws.size() + i) * 3 * kSide], &one[y * 3 * kSide], 3 * kSide);
         }

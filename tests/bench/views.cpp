@@ -21,7 +21,8 @@ Vec3 unit(const Vec3& v) {
     return (1 / std::sqrt(dot(v, v))) * v;
 }
 
-/// Directions to the vertices: those of a cube, and of three golden rectangles.
+}  // namespace
+
 std::vector<Vec3> dodecahedron() {
     const double golden = (1 + std::sqrt(5.0)) / 2;
     std::vector<Vec3> vertices;
@@ -37,18 +38,16 @@ std::vector<Vec3> dodecahedron() {
     return vertices;
 }
 
-raster::Camera camera_at(const Vec3& toward, double radius) {
+raster::Camera camera_at(const Vec3& toward, double radius, unsigned side) {
     const Vec3 helper = std::abs(toward[2]) < 0.9 ? Vec3{0, 0, 1} : Vec3{0, 1, 0};
     raster::Camera camera;
     camera.toward = toward;
     camera.right = unit(cross(helper, toward));
     camera.up = cross(toward, camera.right);
-    camera.pixels_per_unit = kFill * 0.5 * kSide / radius;
+    camera.pixels_per_unit = kFill * 0.5 * side / radius;
     camera.depth_range = 1.5 * radius;  // a simplified mesh may reach beyond the original
     return camera;
 }
-
-}  // namespace
 
 Sphere bounding_sphere(std::span<const Vec3> points) {
     Vec3 low = points.front();
@@ -68,7 +67,7 @@ std::vector<std::uint8_t> render_views(const Sphere& sphere, const DrawModel& dr
     std::vector<std::uint8_t> pixels(std::size_t{3} * kSide * kSide);
     std::vector<std::uint8_t> views;
     for (const Vec3& toward : dodecahedron()) {
-        const raster::Camera camera = camera_at(toward, sphere.radius);
+        const raster::Camera camera = camera_at(toward, sphere.radius, kSide);
         raster::Rasteriser rasteriser(budget, kSide, kSide, camera, {});
         draw(rasteriser, 1 / camera.pixels_per_unit);
         rasteriser.resolve(pixels);

@@ -22,6 +22,13 @@ struct Sphere {
 /// Around the box of the points, of which there must be one.
 Sphere bounding_sphere(std::span<const hewer::Vec3> points);
 
+/// Unit directions to the twenty vertices: those of a cube, and of three golden rectangles.
+std::vector<hewer::Vec3> dodecahedron();
+
+/// Looks at the middle of a sphere from `toward`, a unit direction; it nearly fills a picture of
+/// `side` pixels squared.
+hewer::raster::Camera camera_at(const hewer::Vec3& toward, double radius, unsigned side);
+
 /// Draws a model whose origin is the sphere's centre; `pixel` is the length of one.
 using DrawModel = std::function<void(hewer::raster::Rasteriser& rasteriser, double pixel)>;
 
