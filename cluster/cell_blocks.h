@@ -52,6 +52,9 @@ struct CellBlocks {
     /// list. Duplicates and opposite pairs are still there; the order inside a block is
     /// unspecified.
     ooc::Spool<CellTriple> faces;
+    /// Square of the distance, in cells, from a level of detail made before in which nothing near
+    /// the cell was left; 0 where it was. Empty if nothing had vanished.
+    ooc::Spool<float> vanished;
     ooc::Spool<BorderLine> borders;  ///< of the cells with a border, by rising cell
     std::vector<Block> blocks;       ///< and one more at the end, with the totals
     std::uint64_t n_border_cells = 0;

@@ -17,8 +17,10 @@ namespace {
 // Components are looked for in clusters of at most this many cells: larger ones will be split
 // anyway, and the work per cell stays bounded.
 constexpr std::uint32_t kMostCellsForComponents = 1024;
-// 2^2 clusters.
-constexpr std::uint8_t kPartGenerations = 2;
+// From a part of the surface to the four clusters of its simplest closed form.
+constexpr std::uint8_t kSplitsOfPart = 3;
+// Where those were not enough, as their faces may cancel; the collapse takes what is too much.
+constexpr std::uint8_t kSplitsOfVanished = 5;
 constexpr double kNoSplit = -1;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -63,6 +65,8 @@ void BlockTree::load(const cluster::CellBlocks& blocks, std::size_t block, Prior
     }
     attributes_.resize(blocks.attribute_quadrics.empty() ? 0 : n);
     if (!attributes_.empty()) blocks.attribute_quadrics.read(first, std::span(attributes_));
+    vanished_.resize(blocks.vanished.empty() ? 0 : n);
+    if (!vanished_.empty()) blocks.vanished.read(first, std::span(vanished_));
     split_keys_.assign(n, kNoSplit);
     for (std::size_t i = 0; i < cut.begins.size(); ++i) split_keys_[cut.begins[i]] = cut.keys[i];
 }
@@ -151,11 +155,13 @@ BlockTree::Node BlockTree::make_node(std::uint32_t begin, std::uint32_t end, dou
     if (n == 1) return node;
     if (n <= kMostCellsForComponents && label_components(begin, end) > 1) {
         node.is_disconnected = true;
+        node.n_due = n_due;
         node.key = parent_key;
         return node;
     }
-    const bool is_whole = is_closed_off(begin, end);
-    node.n_due = is_whole ? kPartGenerations : n_due;
+    const double loss = cost_of_loss(begin, end);
+    const bool is_whole = is_closed_off(begin, end, loss > 0);
+    node.n_due = !is_whole ? n_due : loss > 0 ? kSplitsOfVanished : kSplitsOfPart;
     ClusterSums sums;
     for (std::uint32_t i = begin; i < end; ++i) sums.add(cells_[i]);
     if (!face_normals_.empty()) {
@@ -178,7 +184,7 @@ BlockTree::Node BlockTree::make_node(std::uint32_t begin, std::uint32_t end, dou
         node.key = parent_key;
     } else {
         const double key = rsimp::priority(sums, representative(sums, eigen), priority_);
-        const double least = is_whole ? part_priority(sums, priority_) : 0;
+        const double least = is_whole ? std::max(part_priority(sums, priority_), loss) : 0;
         node.key = std::min(parent_key, std::max(key, least));
     }
     node.plane = split_plane(sums, eigen);
@@ -189,9 +195,13 @@ std::array<BlockTree::Node, 2> BlockTree::split(const Node& node) {
     const std::uint32_t middle =
         node.is_disconnected ? partition_by_components(node) : partition_by_plane(node);
     split_keys_[middle] = node.key;
-    const auto n_due = static_cast<std::uint8_t>(node.n_due - (node.n_due > 0 ? 1 : 0));
-    return {make_node(node.begin, middle, node.key, n_due),
-            make_node(middle, node.end, node.key, n_due)};
+    // Half of the splits that are left to each child, as far as it has the cells for them.
+    const std::uint32_t n_left = node.n_due - (node.n_due > 0 ? 1U : 0U);
+    const std::uint32_t n_second =
+        std::min(n_left - std::min(n_left / 2, middle - node.begin - 1), node.end - middle - 1);
+    const std::uint32_t n_first = std::min(n_left - n_second, middle - node.begin - 1);
+    return {make_node(node.begin, middle, node.key, static_cast<std::uint8_t>(n_first)),
+            make_node(middle, node.end, node.key, static_cast<std::uint8_t>(n_second))};
 }
 
 void BlockTree::swap_cells(std::uint32_t i, std::uint32_t j) {
@@ -247,13 +257,14 @@ std::uint32_t BlockTree::label_components(std::uint32_t begin, std::uint32_t end
     return n_components;
 }
 
-/// Whether the cells hang together with no others.
-bool BlockTree::is_closed_off(std::uint32_t begin, std::uint32_t end) const {
+/// Whether the cells hang together with no others, or, `across` the walls of the block, with none
+/// in the block.
+bool BlockTree::is_closed_off(std::uint32_t begin, std::uint32_t end, bool across) const {
     std::uint64_t n_ends = 0;
     std::uint64_t n_inside = 0;
     for (std::uint32_t i = begin; i < end; ++i) {
         const auto cell = static_cast<LocalCell>(cells_[i].id);
-        if (graph_.leaves_block(cell)) return false;
+        if (!across && graph_.leaves_block(cell)) return false;
         n_ends += graph_.degree(cell);
         for (const LocalCell neighbour : graph_.later_neighbours(cell)) {
             const std::uint32_t at = position_[neighbour];
@@ -262,6 +273,16 @@ bool BlockTree::is_closed_off(std::uint32_t begin, std::uint32_t end) const {
         }
     }
     return n_ends > 0 && n_ends == 2 * n_inside;
+}
+
+/// What it cost that cells had vanished from a level of detail before, in squared distance.
+double BlockTree::cost_of_loss(std::uint32_t begin, std::uint32_t end) const {
+    double cost = 0;
+    if (vanished_.empty() || priority_ != Priority::Quadric) return cost;
+    for (std::uint32_t i = begin; i < end; ++i) {
+        cost += static_cast<double>(cells_[i].area) * static_cast<double>(vanished_[cells_[i].id]);
+    }
+    return cost;
 }
 
 std::uint32_t BlockTree::partition_by_components(const Node& node) {

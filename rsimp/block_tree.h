@@ -35,7 +35,7 @@ class BlockTree {
         std::uint32_t begin = 0;
         std::uint32_t end = 0;
         bool is_disconnected = false;  ///< to be split by components instead of by the plane
-        std::uint8_t n_due = 0;        ///< generations below that are split with this one
+        std::uint8_t n_due = 0;        ///< splits that go together: this one and some below
     };
 
   public:
@@ -74,7 +74,8 @@ class BlockTree {
     std::uint32_t partition_by_plane(const Node& node);
     std::uint32_t partition_by_components(const Node& node);
     std::uint32_t label_components(std::uint32_t begin, std::uint32_t end);
-    [[nodiscard]] bool is_closed_off(std::uint32_t begin, std::uint32_t end) const;
+    [[nodiscard]] bool is_closed_off(std::uint32_t begin, std::uint32_t end, bool across) const;
+    [[nodiscard]] double cost_of_loss(std::uint32_t begin, std::uint32_t end) const;
     void swap_cells(std::uint32_t i, std::uint32_t j);
 
     Priority priority_ = Priority::Quadric;
@@ -84,6 +85,7 @@ class BlockTree {
     std::vector<cluster::CellRecord> cells_;
     std::vector<std::array<float, 3>> face_normals_;         // by place in the block
     std::vector<cluster::CellAttributeQuadric> attributes_;  // the same; empty: they do not count
+    std::vector<float> vanished_;                            // the same; empty: nothing had
     std::vector<LocalCell> position_;  // by place in the block: where in cells_
     std::vector<double> split_keys_;   // by place in cells_: BlockCut::keys, or < 0
     std::vector<Node> open_;

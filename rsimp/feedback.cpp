@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "ooc/vec3.h"
@@ -10,6 +11,7 @@
 #include "rsimp/distance_histogram.h"
 #include "rsimp/face_tree.h"
 #include "rsimp/mesh_regions.h"
+#include "rsimp/point_tree.h"
 
 namespace hewer::rsimp {
 
@@ -35,8 +37,51 @@ constexpr double kStiffness = 2;
 constexpr double kStiffnessOfGone = 30;
 // How far around a region faces are looked for, in mean distances between vertices.
 constexpr double kReach = 2;
+// Vertices of the mesh, at most, among which the one nearest to something vanished is looked for.
+constexpr std::uint64_t kMostVertices = 1 << 16;
 // What a cell without area counts for: it still has a place.
 constexpr double kLeastArea = 1e-3;
+
+Vec3 place_of(std::uint64_t code, const CellRecord& cell) {
+    const Vec3 mean{static_cast<double>(cell.mean[0]), static_cast<double>(cell.mean[1]),
+                    static_cast<double>(cell.mean[2])};
+    return cluster::center_of(code) + mean + cell.mean_beyond();
+}
+
+/// How far things are from a mesh that is nowhere near: from its vertices, or from a part of them.
+class FarDistances {
+  public:
+    FarDistances(ooc::Context& context, const MeshStore& mesh, double spacing)
+        : stride_((mesh.vertices.size() + kMostVertices - 1) / kMostVertices),
+          bytes_(context.budget().reserve(
+              "vertices of the feedback",
+              PointTree::kBytesPerPoint * (mesh.vertices.size() / stride_ + 1))),
+          slack_(stride_ > 1 ? spacing * std::sqrt(static_cast<double>(stride_)) : 0),
+          tree_(points_of(mesh, stride_)) {}
+
+    /// A little too small rather than too large where only a part of the vertices is here.
+    double operator()(const Vec3& place) {
+        tree_.nearest(place, 1, found_, squared_);
+        return std::sqrt(squared_.front()) - slack_;
+    }
+
+  private:
+    static std::vector<Vec3> points_of(const MeshStore& mesh, std::uint64_t stride) {
+        std::vector<Vec3> points;
+        ooc::SpoolReader<StoredVertex> vertices(mesh.vertices);
+        for (std::uint64_t v = 0; const StoredVertex* vertex = vertices.next(); ++v) {
+            if (v % stride == 0) points.push_back(vertex->vertex.position);
+        }
+        return points;
+    }
+
+    std::uint64_t stride_;
+    ooc::Reservation bytes_;
+    double slack_;
+    PointTree tree_;
+    std::vector<std::size_t> found_;
+    std::vector<double> squared_;
+};
 
 class Distances {
   public:
@@ -89,6 +134,9 @@ class Distances {
     }
     /// Beyond this a cell's surface has vanished.
     [[nodiscard]] double gone_square() const { return kMostFar * kMostFar * spacing_ * spacing_; }
+    /// As far as anything was looked for: what has this distance may have a larger one.
+    [[nodiscard]] double reach_square() const { return kReach * kReach * spacing_ * spacing_; }
+    [[nodiscard]] double spacing() const { return spacing_; }
     [[nodiscard]] double worst() const { return std::sqrt(static_cast<double>(worst_)); }
 
   private:
@@ -142,11 +190,8 @@ class Distances {
         for (auto run = cells.next_piece(); !run.empty(); run = cells.next_piece()) {
             places.clear();
             for (const CellRecord& cell : run) {
-                const Vec3 mean{static_cast<double>(cell.mean[0]),
-                                static_cast<double>(cell.mean[1]),
-                                static_cast<double>(cell.mean[2])};
-                const Vec3 place = cluster::center_of(*codes.next()) + mean + cell.mean_beyond();
-                places.push_back(to_single(place - mesh_.origin - piece.centre));
+                const Vec3 place = place_of(*codes.next(), cell) - mesh_.origin;
+                places.push_back(to_single(place - piece.centre));
             }
             tree.nearest(places, most, guess, hits);
             for (std::size_t i = 0; i < run.size(); ++i) {
@@ -176,23 +221,47 @@ FeedbackResult feed_back(ooc::Context& context, const CellBlocks& cells, const M
     result.cells = {context, "cells"};
     result.worst = distances.worst();
     const double bound = far_distance > 0 ? far_distance * far_distance : distances.far_square();
+    const double gone = distances.gone_square();
+    std::optional<FarDistances> far;
+    if (result.worst * result.worst > gone || !cells.vanished.empty()) {
+        result.vanished = {context, "distances of what has vanished"};
+        far.emplace(context, mesh, distances.spacing());
+    }
     ooc::SpoolReader<CellRecord> records(cells.cells);
+    ooc::SpoolReader<std::uint64_t> codes(cells.codes);
     ooc::SpoolReader<float> squared(distances.squared());
+    ooc::SpoolReader<float> vanished_before(cells.vanished);
     std::vector<CellRecord> stiffer;
+    std::vector<float> vanished;
     for (auto piece = records.next_piece(); !piece.empty(); piece = records.next_piece()) {
         stiffer.assign(piece.begin(), piece.end());
+        vanished.clear();
         for (CellRecord& cell : stiffer) {
             const auto d = static_cast<double>(*squared.next());
+            const std::uint64_t code = *codes.next();
+            const bool has_vanished = d > gone;
+            if (far) {
+                const float* before = cells.vanished.empty() ? nullptr : vanished_before.next();
+                float now = before != nullptr ? *before : 0;
+                if (has_vanished) {
+                    double distance = std::sqrt(d);
+                    if (d >= 0.99 * distances.reach_square()) {
+                        distance = std::max(distance, (*far)(place_of(code, cell) - mesh.origin));
+                    }
+                    now = std::max(now, static_cast<float>(distance * distance));
+                }
+                vanished.push_back(now);
+            }
             if (d <= bound) continue;
             ++result.n_far;
-            const double weight = (d > distances.gone_square() ? kStiffnessOfGone : kStiffness) *
-                                  (1 - bound / d) *
+            const double weight = (has_vanished ? kStiffnessOfGone : kStiffness) * (1 - bound / d) *
                                   std::max(kLeastArea, static_cast<double>(cell.area));
             for (const std::size_t diagonal : {0U, 3U, 5U}) {
                 cell.quadric[diagonal] += static_cast<float>(weight);
             }
         }
         result.cells.append(stiffer);
+        if (far) result.vanished.append(vanished);
         context.check_stop();
     }
     return result;

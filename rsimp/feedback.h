@@ -14,6 +14,7 @@ namespace hewer::rsimp {
 
 struct FeedbackResult {
     ooc::Spool<cluster::CellRecord> cells;  ///< to be put in the place of those before
+    ooc::Spool<float> vanished;             ///< the same: CellBlocks::vanished
     std::uint64_t n_far = 0;
     /// Largest distance of a cell's mean from the mesh, in cells; no more than two mean distances
     /// between vertices: farther is not told.

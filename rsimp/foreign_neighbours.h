@@ -3,24 +3,22 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "hewer/types.h"
+#include "rsimp/point_tree.h"
 
 namespace hewer::rsimp {
 
-/// FLANN's exact tree (KDTreeSingleIndex, Muja & Lowe 2009) over points of several parts. A search
-/// asks for a few neighbours and for four times as many until they are too far. In double
-/// precision; equal input gives equal answers, of two equally far points the one that came first
-/// among those that the tree returned. Memory: kBytesPerPoint for each.
+/// A PointTree over points of several parts. A search asks for a few neighbours and for four times
+/// as many until they are too far; of two equally far points it takes the one that came first among
+/// those that the tree returned. Memory: kBytesPerPoint for each.
 class ForeignNeighbours {
   public:
-    static constexpr std::uint64_t kBytesPerPoint = 96;
+    static constexpr std::uint64_t kBytesPerPoint = PointTree::kBytesPerPoint;
 
     /// `parts` of the points, in their order.
     ForeignNeighbours(const std::vector<Vec3>& points, const std::vector<std::uint32_t>& parts);
-    ~ForeignNeighbours();
 
     /// The nearest point of another part than that of `point`, if it is within `reach`, and of each
     /// further part the nearest that is no more than twice as far and within `reach`: where several
@@ -28,10 +26,9 @@ class ForeignNeighbours {
     void nearest(std::uint32_t point, double reach, std::vector<std::uint32_t>& neighbours);
 
   private:
-    class Tree;
     const std::vector<Vec3>& points_;
     const std::vector<std::uint32_t>& parts_;
-    std::unique_ptr<Tree> tree_;
+    PointTree tree_;
     std::vector<std::size_t> found_;
     std::vector<double> distances_;
 };

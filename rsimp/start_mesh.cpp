@@ -120,6 +120,7 @@ Attempt improve(ooc::Context& context, CellBlocks& cells, const SimplifyOptions&
     FeedbackResult result = feed_back(context, cells, mesh, finisher.first_cluster(),
                                       options.feedback_distance / cell_size);
     cells.cells = std::move(result.cells);
+    cells.vanished = std::move(result.vanished);
     FeedbackReport& feedback = report.feedback;
     feedback.far_cells = result.n_far;
     feedback.last_worst = cell_size * result.worst;

@@ -33,6 +33,27 @@ Mesh sphere_with_moons() {
     return mesh;
 }
 
+Mesh octahedron() {
+    Mesh mesh;
+    mesh.positions = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+    mesh.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                      {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+    return mesh;
+}
+
+/// A sphere, and far from it octahedra so small that no budget in triangles would reach them by
+/// their own size.
+Mesh sphere_with_specks(int n) {
+    Mesh mesh = cube_sphere(60, 0.005, 1);
+    for (int i = 0; i < n; ++i) {
+        const double angle = 0.3 * i;
+        const Mesh speck = scaled(octahedron(), {0.02, 0.02, 0.02});
+        mesh = joined(mesh,
+                      translated(speck, {4 * std::cos(angle), 4 * std::sin(angle), 0.4 * i - 4}));
+    }
+    return mesh;
+}
+
 struct Result {
     SimplifyReport report;
     MeasureReport distance;
@@ -87,6 +108,18 @@ TEST(Feedback, KeepsSmallPartsWhereTheBudgetAllows) {
     const Result result = simplified(sphere_with_moons(), 1500, 2);
     EXPECT_EQ(result.report.lods[0].topology.components, 21U);
     EXPECT_EQ(result.report.lods[0].topology.border_edges, 0U);
+}
+
+// Their size alone is no reason to keep them, where they are is; and the four clusters that a part
+// is first split into make no closed surface of an octahedron.
+TEST(Feedback, KeepsSpecksThatAreFarFromAllElse) {
+    const Mesh mesh = sphere_with_specks(20);
+    const Result without = simplified(mesh, 1000, 0);
+    const Result with = simplified(mesh, 1000, 2);
+    EXPECT_LT(without.report.lods[0].topology.components, 21U);
+    EXPECT_EQ(with.report.lods[0].topology.components, 21U);
+    EXPECT_EQ(with.report.lods[0].topology.border_edges, 0U);
+    EXPECT_LT(with.distance.forward.maximum, 0.1 * without.distance.forward.maximum);
 }
 
 }  // namespace hewer::test
