@@ -148,6 +148,7 @@ class Distances {
                 const Vec3 place = cluster::center_of(*codes.next()) + mean + cell.mean_beyond();
                 places.push_back(to_single(place - mesh_.origin - piece.centre));
             }
+            hits.resize(places.size());
             tree.nearest(places, most, guess, hits);
             for (std::size_t i = 0; i < run.size(); ++i) {
                 const float d = squared[n_done++] = hits[i].squared_distance;
