@@ -24,6 +24,9 @@ constexpr std::uint64_t kManyStride = 50;
 // Width of the bracket, as a share of its lower end, at which interpolation takes over.
 constexpr double kFineEnough = 0.3;
 constexpr double kSeparating = 0.6;
+// Of all positions, that must have cells of their own: coincident and nearly coincident vertices
+// never separate.
+constexpr double kNearlyAll = 0.995;
 // An estimate of so many different positions among all means that all are different.
 constexpr double kAllDiffer = 0.9;
 
@@ -74,14 +77,24 @@ double CellSample::count_positions() const {
 }
 
 double CellSample::separating_resolution() const {
-    // Coincident and nearly coincident vertices never separate; the rest must.
-    const double enough = 0.995 * count_cells(UniformGrid(UniformGrid::kMaxResolution));
-    double resolution = 256;
+    const double enough = kNearlyAll * count_cells(UniformGrid(UniformGrid::kMaxResolution));
+    double resolution = kLeastSeparating;
     while (resolution < UniformGrid::kMaxResolution &&
            count_cells(UniformGrid(resolution)) < enough) {
         resolution *= 2;
     }
     return resolution;
+}
+
+bool CellSample::is_separating(double resolution) const {
+    const double power = std::exp2(std::floor(std::log2(resolution)));
+    if (power < kLeastSeparating || power >= UniformGrid::kMaxResolution) {
+        return power >= kLeastSeparating;
+    }
+    const double n = count_cells(UniformGrid(power));
+    // What a finer grid is known to have often tells already.
+    if (n < kNearlyAll * counted_.rbegin()->second) return false;
+    return n >= kNearlyAll * count_cells(UniformGrid(UniformGrid::kMaxResolution));
 }
 
 /// Only grids that nest in the boxes are counted without bias: a cell across the wall of a box
@@ -102,7 +115,6 @@ double CellSample::cells_at(double resolution) const {
 }
 
 double CellSample::resolution_for(double wanted) const {
-    if (wanted >= kSeparating * count_positions()) return separating_resolution();
     std::uint64_t low = 1;  // cells along a box
     std::uint64_t high = 2;
     double n_low = count_nested(low);
@@ -110,6 +122,10 @@ double CellSample::resolution_for(double wanted) const {
     while (n_high < wanted && n_boxes() * static_cast<double>(high) < UniformGrid::kMaxResolution) {
         low = std::exchange(high, 2 * high);
         n_low = std::exchange(n_high, count_nested(high));
+    }
+    // There are no fewer positions than cells; to count them all takes longest.
+    if (wanted >= kSeparating * n_high && wanted >= kSeparating * count_positions()) {
+        return separating_resolution();
     }
     while (n_low<wanted&& static_cast<double>(high - low)> std::max(
         1.0, kFineEnough * static_cast<double>(low))) {

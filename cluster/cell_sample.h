@@ -34,8 +34,11 @@ class CellSample {
     /// of what the sampling has, separating_resolution().
     [[nodiscard]] double resolution_for(double wanted) const;
 
-    /// Coarsest power of two at which nearly every vertex has a cell of its own.
+    /// Coarsest power of two, from kLeastSeparating on, at which nearly every vertex has a cell of
+    /// its own.
     [[nodiscard]] double separating_resolution() const;
+    /// Whether `resolution` is no less than that.
+    [[nodiscard]] bool is_separating(double resolution) const;
 
     /// Estimated number of different positions.
     [[nodiscard]] double count_positions() const;
@@ -43,6 +46,8 @@ class CellSample {
     [[nodiscard]] std::uint64_t memory_bytes() const { return points_.capacity() * 12; }
 
   private:
+    static constexpr double kLeastSeparating = 256;
+
     [[nodiscard]] double n_boxes() const { return static_cast<double>(1U << box_bits_); }
     [[nodiscard]] double count_cells(const UniformGrid& grid) const;
     [[nodiscard]] double count_nested(std::uint64_t cells_per_box) const;

@@ -25,7 +25,9 @@ class Workers {
 
     [[nodiscard]] unsigned n_threads() const { return n_threads_; }
 
-    /// body(begin, end) over [0, n) in pieces of at most `grain`, in no particular order.
+    /// body(begin, end) over [0, n) in pieces of at most `grain`, in no particular order. Within
+    /// the work of another loop it gives threads that have nothing left to do a part of that work;
+    /// the caller takes up no other work while it waits for them, which would need memory.
     template <typename Body>
     void for_ranges(std::uint64_t n, std::uint64_t grain, const Body& body) {
         if (n == 0) return;
@@ -34,10 +36,12 @@ class Workers {
             return;
         }
         arena_.execute([&] {
-            tbb::parallel_for(
-                tbb::blocked_range<std::uint64_t>(0, n, grain),
-                [&](const tbb::blocked_range<std::uint64_t>& r) { body(r.begin(), r.end()); },
-                tbb::simple_partitioner());
+            tbb::this_task_arena::isolate([&] {
+                tbb::parallel_for(
+                    tbb::blocked_range<std::uint64_t>(0, n, grain),
+                    [&](const tbb::blocked_range<std::uint64_t>& r) { body(r.begin(), r.end()); },
+                    tbb::simple_partitioner());
+            });
         });
     }
 

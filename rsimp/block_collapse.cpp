@@ -76,7 +76,7 @@ class LevelCollapse {
         const ooc::Reservation bytes =
             context_.budget().reserve("a block's collapse", bytes_for(b));
         BlockMesh mesh = blocks_.load(b, b + 1);
-        EdgeCollapse collapse(mesh, need_.most_displacement);
+        EdgeCollapse collapse(context_.workers(), mesh, need_.most_displacement);
         mesh = {};
         collapse.run(limit);
         context_.check_stop();

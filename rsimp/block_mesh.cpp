@@ -40,9 +40,13 @@ void sort_vertices(BlockMesh& mesh) {
     if (std::is_sorted(mesh.vertices.begin(), mesh.vertices.end(), by_id)) return;
     std::vector<std::uint32_t> order(mesh.vertices.size());
     std::iota(order.begin(), order.end(), 0U);
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const auto is_before = [&](std::uint32_t a, std::uint32_t b) {
         return by_id(mesh.vertices[a], mesh.vertices[b]);
-    });
+    };
+    // Most often the first ones are in order: what has been added comes after them.
+    const auto added = std::is_sorted_until(order.begin(), order.end(), is_before);
+    std::sort(added, order.end(), is_before);
+    std::inplace_merge(order.begin(), added, order.end(), is_before);
     std::vector<StoredVertex> vertices(order.size());
     std::vector<std::uint32_t> new_index(order.size());
     for (std::uint32_t i = 0; i < order.size(); ++i) {

@@ -70,8 +70,11 @@ BlockRefiner::BlockRefiner(ooc::Context& context, const cluster::CellBlocks& blo
     for (std::size_t b = 0; b < blocks.n_blocks(); ++b) cuts_.append({});
 }
 
+/// grow(block, tree, cut) for every `stride`-th block; the cuts of the others stay. These are not
+/// blocks of the loop: as some that are done at once they would be all that may wait for a slow
+/// one.
 template <typename Grow>
-void BlockRefiner::sweep(std::uint64_t bytes_per_cell, const Grow& grow) {
+void BlockRefiner::sweep(std::size_t stride, std::uint64_t bytes_per_cell, const Grow& grow) {
     struct Work {
         BlockTree tree;
         BlockCut cut;
@@ -83,23 +86,29 @@ void BlockRefiner::sweep(std::uint64_t bytes_per_cell, const Grow& grow) {
                              !blocks_.attribute_quadrics.empty()) +
             largest.n_cells * (2 * sizeof(LocalCell) + sizeof(double) + bytes_per_cell));
     Cuts grown(context_);
-    in_flight.sweep<Work>(
-        blocks_.n_blocks(),
-        [&](std::uint64_t b, Work& work) {
-            cuts_.read(b, work.cut);
-            grow(b, work.tree, work.cut);
-        },
-        [&](std::uint64_t b, const Work& work) {
-            const std::uint64_t before =
-                cuts_.blocks[b + 1].first_split - cuts_.blocks[b].first_split;
-            context_.advance(work.cut.keys.size() - before);
-            grown.append(work.cut);
-        });
+    BlockCut untouched;
+    in_flight.sweep<Work>((blocks_.n_blocks() + stride - 1) / stride,
+                          [&](std::uint64_t i, Work& work) {
+                              cuts_.read(i * stride, work.cut);
+                              grow(i * stride, work.tree, work.cut);
+                          },
+                          [&](std::uint64_t i, const Work& work) {
+                              const std::uint64_t b = i * stride;
+                              const std::uint64_t before =
+                                  cuts_.blocks[b + 1].first_split - cuts_.blocks[b].first_split;
+                              context_.advance(work.cut.keys.size() - before);
+                              grown.append(work.cut);
+                              for (std::size_t other = b + 1;
+                                   other < std::min(b + stride, blocks_.n_blocks()); ++other) {
+                                  cuts_.read(other, untouched);
+                                  grown.append(untouched);
+                              }
+                          });
     cuts_ = std::move(grown);
 }
 
 void BlockRefiner::grow_to_key(double threshold) {
-    sweep(0, [&](std::size_t b, BlockTree& tree, BlockCut& cut) {
+    sweep(1, 0, [&](std::size_t b, BlockTree& tree, BlockCut& cut) {
         if (cut.threshold > threshold) tree.grow_to_key(blocks_, b, priority_, threshold, cut);
     });
 }
@@ -109,8 +118,7 @@ void BlockRefiner::grow_sample(std::uint64_t n_splits) {
         kSampleExcess * static_cast<double>(n_splits) / static_cast<double>(blocks_.n_cells());
     const std::size_t stride =
         std::clamp<std::size_t>(blocks_.n_blocks() / kFewestSampled, 1, kSampleStride);
-    sweep(BlockTree::kBytesPerSplit, [&](std::size_t b, BlockTree& tree, BlockCut& cut) {
-        if (b % stride != 0) return;
+    sweep(stride, BlockTree::kBytesPerSplit, [&](std::size_t b, BlockTree& tree, BlockCut& cut) {
         const auto n_cells =
             static_cast<double>(blocks_.blocks[b + 1].first_cell - blocks_.blocks[b].first_cell);
         const auto wanted = static_cast<std::uint64_t>(std::ceil(share * n_cells));

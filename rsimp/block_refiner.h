@@ -60,7 +60,7 @@ class BlockRefiner {
         [[nodiscard]] double threshold() const;
     };
     template <typename Grow>
-    void sweep(std::uint64_t bytes_per_cell, const Grow& grow);
+    void sweep(std::size_t stride, std::uint64_t bytes_per_cell, const Grow& grow);
     void grow_to_key(double threshold);
     void grow_sample(std::uint64_t n_splits);
     void grow_to_splits(std::uint64_t n_splits);

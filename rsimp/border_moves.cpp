@@ -59,6 +59,7 @@ void BorderMoves::pull(std::span<const WeightedPoint> points) {
     if (edges_.empty()) return;
     places_.clear();
     for (const WeightedPoint& point : points) places_.push_back(point.position);
+    hits_.resize(places_.size());
     tree_.nearest(places_, most_, guess_, hits_);
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (hits_[i].face == FaceTree::kNone) continue;

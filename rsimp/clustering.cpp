@@ -359,7 +359,7 @@ CellBlocks cluster_input(ooc::Context& context, MeshSource& source, const Simpli
     AccumulateResult result;
     const UniformGrid grid(choose_resolution(options, input.bounds, sample, info.n_faces, finer));
     is_finest = !(input.bounds.diagonal() > 0) ||  // all vertices in one place
-                grid.resolution() >= 0.99 * sample.separating_resolution() ||
+                sample.is_separating(grid.resolution() / 0.99) ||
                 grid.resolution() >= 0.99 * UniformGrid::kMaxResolution;
     const double cells = sample.cells_at(grid.resolution());
     CellBlocks store = pass.run(grid, cells, result);

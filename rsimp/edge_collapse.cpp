@@ -42,7 +42,8 @@ bool contains(const LocalFace& t, std::uint32_t v) {
 
 }  // namespace
 
-EdgeCollapse::EdgeCollapse(const BlockMesh& mesh, std::optional<double> most_displacement)
+EdgeCollapse::EdgeCollapse(ooc::Workers& workers, const BlockMesh& mesh,
+                           std::optional<double> most_displacement)
     : most_displacement_(most_displacement),
       attributes_(mesh.attributes.quadrics),
       is_free_(mesh.vertices.size()),
@@ -61,9 +62,15 @@ EdgeCollapse::EdgeCollapse(const BlockMesh& mesh, std::optional<double> most_dis
     }
     build_corner_lists();
     find_borders();
-    for (std::uint32_t v = 0; v < vertices_.size(); ++v) {
-        if (is_free_[v]) propose(v);
-    }
+    constexpr std::size_t kVerticesPerPiece = 512;
+    workers.for_ranges(vertices_.size(), kVerticesPerPiece, [&](std::size_t b, std::size_t e) {
+        std::vector<std::uint32_t> larger;
+        for (std::size_t v = b; v < e; ++v) {
+            const auto u = static_cast<std::uint32_t>(v);
+            if (is_free_[u]) proposals_[u] = cheapest(u, larger);
+        }
+    });
+    for (std::uint32_t v = 0; v < vertices_.size(); ++v) queue(v, proposals_[v]);
 }
 
 void EdgeCollapse::build_corner_lists() {
@@ -225,8 +232,8 @@ void EdgeCollapse::gather_edge(std::uint32_t u, std::uint32_t v) {
 }
 
 /// Each once, and only free ones: an edge is proposed by its smaller vertex.
-void EdgeCollapse::gather_larger_neighbours(std::uint32_t u) {
-    std::vector<std::uint32_t>& larger = scratch_.larger;
+void EdgeCollapse::gather_larger_neighbours(std::uint32_t u,
+                                            std::vector<std::uint32_t>& larger) const {
     larger.clear();
     const std::uint32_t start = first_corner_[u];
     if (start == kNoIndex) return;
@@ -253,16 +260,21 @@ void EdgeCollapse::queue(std::uint32_t u, const Proposal& proposal) {
 
 /// The cheapest edge to a larger neighbour, by the quadric alone. Most proposals never come up, so
 /// whether the edge can be collapsed is asked only when one does.
-void EdgeCollapse::propose(std::uint32_t u) {
+EdgeCollapse::Proposal EdgeCollapse::cheapest(std::uint32_t u,
+                                              std::vector<std::uint32_t>& larger) const {
     Proposal best{kNoCost, kNoIndex};
-    gather_larger_neighbours(u);
-    for (const std::uint32_t v : scratch_.larger) {
+    gather_larger_neighbours(u, larger);
+    for (const std::uint32_t v : larger) {
         const EdgeQuadric edge = edge_quadric(u, v);
         const auto cost = static_cast<float>(edge.cost(edge.optimum));
         if (cost < best.cost || (cost == best.cost && v < best.partner)) best = {cost, v};
     }
+    return best;
+}
+
+void EdgeCollapse::propose(std::uint32_t u) {
     checked_[u] = 0;
-    queue(u, best);
+    queue(u, cheapest(u, scratch_.larger));
 }
 
 /// Only the edge to the neighbour that has moved can have become better than the one proposed.
@@ -282,7 +294,7 @@ void EdgeCollapse::review(std::uint32_t u, std::uint32_t moved) {
 void EdgeCollapse::check(std::uint32_t u) {
     Scratch& s = scratch_;
     Proposal best{kNoCost, kNoIndex};
-    gather_larger_neighbours(u);
+    gather_larger_neighbours(u, s.larger);
     s.edges.clear();
     for (const std::uint32_t v : s.larger) {
         const EdgeQuadric edge = edge_quadric(u, v);

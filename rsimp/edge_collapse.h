@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "ooc/parallel.h"
 #include "rsimp/block_mesh.h"
 #include "rsimp/edge_quadric.h"
 #include "rsimp/indexed_heap.h"
@@ -41,10 +42,12 @@ struct CollapseLimit {
 /// that from any corner of its box, in cells.
 ///
 /// The mesh given stays as it is; what was done is in steps(). A run that goes on makes the same
-/// steps as one that went through at once. One thread. Memory: bytes_for().
+/// steps as one that went through at once. One thread, but for the edges to begin with, which idle
+/// threads help to look at. Memory: bytes_for().
 class EdgeCollapse {
   public:
-    EdgeCollapse(const BlockMesh& mesh, std::optional<double> most_displacement);
+    EdgeCollapse(ooc::Workers& workers, const BlockMesh& mesh,
+                 std::optional<double> most_displacement);
 
     void run(const CollapseLimit& limit);
 
@@ -88,7 +91,8 @@ class EdgeCollapse {
     void prune(std::uint32_t vertex);
     void gather_ring(std::uint32_t vertex, std::vector<std::uint32_t>& faces) const;
     void gather_edge(std::uint32_t u, std::uint32_t v);
-    void gather_larger_neighbours(std::uint32_t u);
+    void gather_larger_neighbours(std::uint32_t u, std::vector<std::uint32_t>& larger) const;
+    [[nodiscard]] Proposal cheapest(std::uint32_t u, std::vector<std::uint32_t>& larger) const;
     void queue(std::uint32_t u, const Proposal& proposal);
     void propose(std::uint32_t u);
     void review(std::uint32_t u, std::uint32_t moved);

@@ -333,8 +333,7 @@ HEWER_VECTOR_CLONES bool FaceTree::nearest_of_group(std::span<const Point3f> gro
 }
 
 void FaceTree::nearest(std::span<const Point3f> points, float most, std::uint32_t& guess,
-                       std::vector<Hit>& hits) const {
-    hits.resize(points.size());
+                       std::span<Hit> hits) const {
     for (std::size_t first = 0; first < points.size(); first += kGroup) {
         const std::size_t last = std::min(points.size(), first + kGroup);
         if (!nearest_of_group(points.subspan(first, last - first), most, guess, &hits[first])) {

@@ -35,9 +35,9 @@ class FaceTree {
     [[nodiscard]] Hit nearest(const Point3f& p, float most, std::uint32_t guess) const;
 
     /// The same for points that follow each other, most of them near the one before: a few of them
-    /// share each walk through the tree. `guess` goes on from call to call.
+    /// share each walk through the tree. `guess` goes on from call to call, and changes no hit.
     void nearest(std::span<const Point3f> points, float most, std::uint32_t& guess,
-                 std::vector<Hit>& hits) const;
+                 std::span<Hit> hits) const;
 
   private:
     static constexpr std::size_t kLeaf = 8;

@@ -26,6 +26,7 @@ std::uint64_t add_fan_vertices(BlockMesh& mesh, const std::vector<std::uint32_t>
                                std::uint64_t* next_fan) {
     if (extra.empty()) return 0;
     const std::size_t n_before = mesh.vertices.size();
+    mesh.vertices.reserve(n_before + extra.size());
     std::vector<std::uint32_t> n_fans(n_before, 1);
     for (const std::uint32_t v : extra) {
         StoredVertex fan = mesh.vertices[v];

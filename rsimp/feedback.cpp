@@ -193,6 +193,7 @@ class Distances {
                 const Vec3 place = place_of(*codes.next(), cell) - mesh_.origin;
                 places.push_back(to_single(place - piece.centre));
             }
+            hits.resize(places.size());
             tree.nearest(places, most, guess, hits);
             for (std::size_t i = 0; i < run.size(); ++i) {
                 const float d = squared[n_done++] = hits[i].squared_distance;

@@ -28,8 +28,9 @@ constexpr double kFar = 6;
 constexpr double kMostFar = 400;
 constexpr double kCommonShare = 0.5;
 constexpr double kMostDistance = 0.5;
-// The common RMS is first looked for in about so many regions.
+// The common RMS is first looked for in about so many regions, and with so many samples.
 constexpr std::uint64_t kRegionsToBegin = 8;
+constexpr std::uint64_t kSamplesToBegin = 1 << 11;
 // How far around a region samples are looked at: a triangle's length.
 constexpr double kSampleReach = 2;
 constexpr std::uint64_t kPiece = 1 << 12;
@@ -49,12 +50,11 @@ class Fit {
                 (static_cast<double>(lost_cells) > kMuchLost * static_cast<double>(samples.size())
                      ? kLeastPull
                      : kMostDistance)) {
-        const std::uint64_t stride = std::max<std::uint64_t>(1, regions_.size() / kRegionsToBegin);
-        set_pull(pull(stride).distances);
+        set_pull(look());
     }
 
     void round() {
-        const Pulled pulled = pull(1);
+        const Pulled pulled = pull();
         distance_ = std::sqrt(pulled.distances.mean_square(1));
         set_pull(pulled.distances);
         apply(pulled.moves);
@@ -68,39 +68,65 @@ class Fit {
   private:
     static constexpr const char* kWhat = "regions of the fit";
 
+    /// The faces around a region that its samples may be nearest to are within this of it.
+    [[nodiscard]] double face_reach() const { return reach() + 2 * pull_; }
+    [[nodiscard]] double reach() const { return kSampleReach * samples_.spacing(); }
+
+    /// Lets one of `share` samples pull the vertices of a region.
+    void pull(std::size_t r, const MeshPiece& piece, std::uint64_t share, FitMoves& sums) const {
+        samples_.for_each(
+            regions_.box(r), reach(), piece.centre,
+            [&](std::span<const WeightedPoint> points) { sums.pull(points); }, share);
+    }
+
+    /// How far samples are from the mesh, by a few of them.
+    DistanceHistogram look() {
+        const std::uint64_t stride = std::max<std::uint64_t>(1, regions_.size() / kRegionsToBegin);
+        const std::uint64_t share =
+            std::max<std::uint64_t>(1, samples_.size() / stride / kSamplesToBegin);
+        DistanceHistogram all;
+        const BlocksInFlight in_flight(context_, kWhat, region_bytes());
+        in_flight.sweep<DistanceHistogram>(
+            (regions_.size() + stride - 1) / stride,
+            [&](std::uint64_t i, DistanceHistogram& own) {
+                const std::uint64_t r = i * stride;
+                std::vector<std::uint64_t> vertices;
+                const MeshPiece piece = regions_.load(r, face_reach(), positions_, vertices);
+                FitMoves sums(context_.workers(), piece, pull_);
+                pull(r, piece, share, sums);
+                own = sums.distances();
+            },
+            [&](std::uint64_t, const DistanceHistogram& own) { all.add(own); });
+        return all;
+    }
+
     struct Pulled {
         ooc::Spool<Vec3> moves;
         DistanceHistogram distances;
     };
-    /// How the samples would move the vertices of every `stride`-th region.
-    Pulled pull(std::uint64_t stride) {
-        const double reach = kSampleReach * samples_.spacing();
-        const double most = pull_;
+    /// How the samples would move all vertices.
+    Pulled pull() {
         Pulled all{{context_, "moves of vertices"}, {}};
-        const double face_reach = reach + 2 * most;
-        const BlocksInFlight in_flight(context_, kWhat, regions_.region_bytes(face_reach));
+        const BlocksInFlight in_flight(context_, kWhat, region_bytes());
         struct Result {
             std::vector<Vec3> moves;
             DistanceHistogram distances;
         };
         in_flight.sweep<Result>(
-            (regions_.size() + stride - 1) / stride,
-            [&](std::uint64_t i, Result& own) {
-                const std::uint64_t r = i * stride;
+            regions_.size(),
+            [&](std::uint64_t r, Result& own) {
                 std::vector<std::uint64_t> vertices;
-                const MeshPiece piece = regions_.load(r, face_reach, positions_, vertices);
+                const MeshPiece piece = regions_.load(r, face_reach(), positions_, vertices);
                 {
-                    FitMoves sums(piece, most);
-                    samples_.for_each(
-                        regions_.box(r), reach, piece.centre,
-                        [&](std::span<const WeightedPoint> points) { sums.pull(points); });
+                    FitMoves sums(context_.workers(), piece, pull_);
+                    pull(r, piece, 1, sums);
                     own = {sums.moves(), sums.distances()};
                 }
                 // In the memory of the surface's tree.
                 BorderMoves borders(piece, kMostDistance * samples_.spacing());
                 if (!borders.has_border()) return;
                 borders_.for_each(
-                    regions_.box(r), reach, piece.centre,
+                    regions_.box(r), reach(), piece.centre,
                     [&](std::span<const WeightedPoint> points) { borders.pull(points); });
                 borders.replace(own.moves);
             },
@@ -109,6 +135,9 @@ class Fit {
                 all.distances.add(own.distances);
             });
         return all;
+    }
+    [[nodiscard]] std::uint64_t region_bytes() const {
+        return regions_.region_bytes(face_reach()) + FitMoves::kBufferBytes;
     }
 
     /// For the next round; never farther than before.

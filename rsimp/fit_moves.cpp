@@ -28,6 +28,8 @@ constexpr double kMostTurnOfAll = 0.17;
 // 15 degrees more are still allowed after this.
 constexpr double kHardlyTurned = 0.45;
 constexpr double kTiny = 1e-12;
+// Points that one thread looks for the faces of.
+constexpr std::size_t kPointsPerSearch = 256;
 
 struct Foot {
     std::array<double, 3> weights;
@@ -132,49 +134,59 @@ void FitMoves::Pull::add(const Vec3& n, double d, double weight) {
     residual = residual + (weight * d) * n;
 }
 
-FitMoves::FitMoves(const MeshPiece& piece, double most_distance)
-    : piece_(piece),
+FitMoves::FitMoves(ooc::Workers& workers, const MeshPiece& piece, double most_distance)
+    : workers_(workers),
+      piece_(piece),
       most_(static_cast<float>(most_distance * most_distance)),
       tree_(to_single(piece.positions), piece.faces),
       pulls_(piece.n_own) {}
 
 void FitMoves::pull(std::span<const WeightedPoint> points) {
     if (piece_.faces.empty()) return;
-    const std::uint32_t n_own = piece_.n_own;
-    places_.clear();
-    for (const WeightedPoint& point : points) places_.push_back(point.position);
-    tree_.nearest(places_, most_, guess_, hits_);
+    hits_.resize(points.size());
+    workers_.for_ranges(points.size(), kPointsPerSearch, [&](std::size_t begin, std::size_t end) {
+        std::array<Point3f, kPointsPerSearch> places;
+        for (std::size_t i = begin; i < end; ++i) places[i - begin] = points[i].position;
+        std::uint32_t guess = guess_;
+        tree_.nearest(std::span(places).first(end - begin), most_, guess,
+                      std::span(hits_).subspan(begin, end - begin));
+    });
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (hits_[i].face == FaceTree::kNone) continue;
-        const WeightedPoint& point = points[i];
-        const LocalFace& face = piece_.faces[hits_[i].face];
-        if (face[0] >= n_own && face[1] >= n_own && face[2] >= n_own) continue;
-        distances_.add(hits_[i].squared_distance, point.weight);
-        const Vec3 p{point.position[0], point.position[1], point.position[2]};
-        const Vec3& a = piece_.positions[face[0]];
-        const Vec3& b = piece_.positions[face[1]];
-        const Vec3& c = piece_.positions[face[2]];
-        const Foot foot = foot_of(p, a, b, c);
-        const Vec3 residual = p - (foot.weights[0] * a + foot.weights[1] * b + foot.weights[2] * c);
-        const double length = std::sqrt(dot(residual, residual));
-        Vec3 n = unit(cross(b - a, c - a));
-        const Vec3 front{point.normal[0], point.normal[1], point.normal[2]};
-        if (dot(n, front) < kLeastCosine) continue;
-        if (!foot.is_inside && length > kTiny) n = (1 / length) * residual;
-        const double d = dot(residual, n);
-        for (std::size_t k = 0; k < 3; ++k) {
-            if (face[k] >= n_own) continue;
-            const double w = foot.weights[k] * static_cast<double>(point.weight);
-            Pull& pull = pulls_[face[k]];
-            pull.add(n, d, w);
-            pull.longest = std::max(pull.longest, std::abs(d));
-            const Vec3 to_point = p - piece_.positions[face[k]];
-            const double squared = dot(to_point, to_point);
-            if (squared < pull.nearest) {
-                pull.nearest = squared;
-                pull.to_nearest = to_point;
-                pull.front = front;
-            }
+        guess_ = hits_[i].slot;
+        add(points[i], hits_[i]);
+    }
+}
+
+void FitMoves::add(const WeightedPoint& point, const FaceTree::Hit& hit) {
+    const std::uint32_t n_own = piece_.n_own;
+    const LocalFace& face = piece_.faces[hit.face];
+    if (face[0] >= n_own && face[1] >= n_own && face[2] >= n_own) return;
+    distances_.add(hit.squared_distance, point.weight);
+    const Vec3 p{point.position[0], point.position[1], point.position[2]};
+    const Vec3& a = piece_.positions[face[0]];
+    const Vec3& b = piece_.positions[face[1]];
+    const Vec3& c = piece_.positions[face[2]];
+    const Foot foot = foot_of(p, a, b, c);
+    const Vec3 residual = p - (foot.weights[0] * a + foot.weights[1] * b + foot.weights[2] * c);
+    const double length = std::sqrt(dot(residual, residual));
+    Vec3 n = unit(cross(b - a, c - a));
+    const Vec3 front{point.normal[0], point.normal[1], point.normal[2]};
+    if (dot(n, front) < kLeastCosine) return;
+    if (!foot.is_inside && length > kTiny) n = (1 / length) * residual;
+    const double d = dot(residual, n);
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (face[k] >= n_own) continue;
+        const double w = foot.weights[k] * static_cast<double>(point.weight);
+        Pull& pull = pulls_[face[k]];
+        pull.add(n, d, w);
+        pull.longest = std::max(pull.longest, std::abs(d));
+        const Vec3 to_point = p - piece_.positions[face[k]];
+        const double squared = dot(to_point, to_point);
+        if (squared < pull.nearest) {
+            pull.nearest = squared;
+            pull.to_nearest = to_point;
+            pull.front = front;
         }
     }
 }

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "cluster/hash.h"
 #include "ooc/vec3.h"
 #include "rsimp/blocks_in_flight.h"
 #include "rsimp/half_edges.h"
@@ -25,7 +26,7 @@ namespace {
 constexpr double kFrontShare = 1.5;
 constexpr std::array kSteps{0.25, 0.5, 0.75, 1.0};
 // Bytes of a region's faces: distances, order in the grid, corners by vertex.
-constexpr std::uint64_t kBytesPerFace = 40;
+constexpr std::uint64_t kBytesPerFace = 70;
 
 Vec3 as_vec3(const Point3f& p) {
     return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
@@ -126,6 +127,40 @@ class PointGrid {
     std::vector<std::uint32_t> points_;
 };
 
+std::uint64_t cell_code(const std::array<std::int64_t, 3>& cell) {
+    constexpr unsigned kBits = 21;
+    std::uint64_t code = 0;
+    for (const std::int64_t c : cell) {
+        code = code << kBits | (static_cast<std::uint64_t>(c) & ((1U << kBits) - 1));
+    }
+    return code;
+}
+
+/// A few codes that many others are to be told from.
+class CodeSet {
+  public:
+    void add(std::uint64_t code) {
+        codes_.push_back(code);
+        may_have_[place(code)] = true;
+    }
+    /// Before contains().
+    void finish() {
+        std::sort(codes_.begin(), codes_.end());
+        codes_.erase(std::unique(codes_.begin(), codes_.end()), codes_.end());
+    }
+    [[nodiscard]] bool contains(std::uint64_t code) const {
+        return may_have_[place(code)] && std::binary_search(codes_.begin(), codes_.end(), code);
+    }
+
+  private:
+    static constexpr unsigned kBits = 16;
+    static std::size_t place(std::uint64_t code) {
+        return cluster::well_scattered(code) >> (64 - kBits);
+    }
+    std::vector<std::uint64_t> codes_;
+    std::vector<bool> may_have_ = std::vector<bool>(std::size_t{1} << kBits);
+};
+
 using Move = std::pair<std::uint64_t, Vec3>;  // rank of a vertex and its new place
 
 bool is_before(const FoldedFace& a, const FoldedFace& b) {
@@ -148,7 +183,6 @@ class Region {
         // Only those with an own corner: nothing else was asked for.
         placed_.reserve(piece_.faces.size());
         for (std::uint32_t f = 0; f < piece_.faces.size(); ++f) placed_.push_back(place_of(f));
-        for (const Placed& face : placed_) box_.extend(piece_.centre + face.centre);
         find_folded();
     }
 
@@ -193,23 +227,46 @@ class Region {
     [[nodiscard]] Placed place_of(std::uint32_t f) const { return place(corners_of(f)); }
 
     void find_folded() {
+        std::vector<std::uint32_t> faces;
+        for (std::uint32_t f = 0; f < placed_.size(); ++f) {
+            if (dot(placed_[f].normal, placed_[f].normal) > 0) faces.push_back(f);
+        }
+        // Nearly all have a sample within its spacing that faces as they do, which tells at once.
+        std::vector<NearestSides> sides = nearest_sides(faces, spacing_);
+        std::size_t n = 0;
+        for (std::size_t i = 0; i < faces.size(); ++i) {
+            if (std::sqrt(sides[i].front) > spacing_) faces[n++] = faces[i];
+        }
+        faces.resize(n);
+        sides = nearest_sides(faces, reach_);
+        is_folded_.resize(placed_.size());
+        for (std::size_t i = 0; i < faces.size(); ++i) {
+            if (!sides[i].is_folded(reach_, spacing_)) continue;
+            is_folded_[faces[i]] = true;
+            folded_.push_back(faces[i]);
+        }
+    }
+    /// Of the samples within `reach` of each of these faces, and some more.
+    [[nodiscard]] std::vector<NearestSides> nearest_sides(std::span<const std::uint32_t> faces,
+                                                          double reach) const {
+        std::vector<NearestSides> sides(faces.size());
+        if (faces.empty()) return sides;
         std::vector<Vec3> centres;
-        centres.reserve(placed_.size());
-        for (const Placed& face : placed_) centres.push_back(face.centre);
-        const PointGrid grid(centres, reach_ / 2);
-        std::vector<NearestSides> sides(placed_.size());
-        samples_.for_each(box_, reach_, piece_.centre, [&](std::span<const WeightedPoint> points) {
+        centres.reserve(faces.size());
+        FloatBox box;
+        for (const std::uint32_t f : faces) {
+            centres.push_back(placed_[f].centre);
+            box.extend(piece_.centre + placed_[f].centre);
+        }
+        const PointGrid grid(centres, reach / 2);
+        samples_.for_each(box, reach, piece_.centre, [&](std::span<const WeightedPoint> points) {
             for (const WeightedPoint& point : points) {
-                grid.for_each_near(as_vec3(point.position), reach_,
-                                   [&](std::uint32_t f) { sides[f].add(placed_[f], point); });
+                grid.for_each_near(as_vec3(point.position), reach, [&](std::uint32_t i) {
+                    sides[i].add(placed_[faces[i]], point);
+                });
             }
         });
-        is_folded_.resize(placed_.size());
-        for (std::uint32_t f = 0; f < placed_.size(); ++f) {
-            is_folded_[f] = dot(placed_[f].normal, placed_[f].normal) > 0 &&
-                            sides[f].is_folded(reach_, spacing_);
-            if (is_folded_[f]) folded_.push_back(f);
-        }
+        return sides;
     }
 
     /// Faces by vertex, and which vertices are inside the surface and the region.
@@ -246,17 +303,10 @@ class Region {
 
     /// Cells as long as the reach, by which samples are told to be near.
     [[nodiscard]] std::int64_t cell_of(double x) const {
-        return static_cast<std::int64_t>(std::floor(x / reach_));
+        constexpr double kZero = 1 << 20;  // the cell of 0: truncation is right for what is above 0
+        return static_cast<std::int64_t>(x / reach_ + kZero);
     }
-    static std::uint64_t cell_code(const std::array<std::int64_t, 3>& cell) {
-        constexpr unsigned kBits = 21;
-        std::uint64_t code = 0;
-        for (const std::int64_t c : cell) {
-            code = code << kBits | (static_cast<std::uint64_t>(c) & ((1U << kBits) - 1));
-        }
-        return code;
-    }
-    void add_cells(const FloatBox& box, std::vector<std::uint64_t>& cells) const {
+    void add_cells(const FloatBox& box, CodeSet& cells) const {
         std::array<std::int64_t, 3> low;
         std::array<std::int64_t, 3> high;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -270,8 +320,7 @@ class Region {
         }
         for (std::int64_t x = low[0]; x <= high[0]; ++x) {
             for (std::int64_t y = low[1]; y <= high[1]; ++y) {
-                for (std::int64_t z = low[2]; z <= high[2]; ++z)
-                    cells.push_back(cell_code({x, y, z}));
+                for (std::int64_t z = low[2]; z <= high[2]; ++z) cells.add(cell_code({x, y, z}));
             }
         }
     }
@@ -288,28 +337,26 @@ class Region {
         std::sort(near.begin(), near.end());
         near.erase(std::unique(near.begin(), near.end()), near.end());
         FloatBox all;
-        std::vector<std::uint64_t> cells;
+        CodeSet cells;
         for (const std::uint32_t f : near) {
             FloatBox box;
             for (const Vec3& p : corners_of(f)) box.extend(p);
             all.extend(box);
             add_cells(box, cells);
         }
-        std::sort(cells.begin(), cells.end());
-        cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+        cells.finish();
         FloatBox in_mesh;
         in_mesh.extend(piece_.centre + Vec3{all.low[0], all.low[1], all.low[2]});
         in_mesh.extend(piece_.centre + Vec3{all.high[0], all.high[1], all.high[2]});
-        samples_.for_each(in_mesh, reach_, piece_.centre,
-                          [&](std::span<const WeightedPoint> points) {
-                              for (const WeightedPoint& point : points) {
-                                  const Vec3 p = as_vec3(point.position);
-                                  const std::uint64_t cell =
-                                      cell_code({cell_of(p[0]), cell_of(p[1]), cell_of(p[2])});
-                                  if (std::binary_search(cells.begin(), cells.end(), cell))
-                                      near_.push_back(point);
-                              }
-                          });
+        samples_.for_each(
+            in_mesh, reach_, piece_.centre, [&](std::span<const WeightedPoint> points) {
+                for (const WeightedPoint& point : points) {
+                    const Vec3 p = as_vec3(point.position);
+                    if (cells.contains(cell_code({cell_of(p[0]), cell_of(p[1]), cell_of(p[2])}))) {
+                        near_.push_back(point);
+                    }
+                }
+            });
         std::vector<Vec3> places;
         places.reserve(near_.size());
         for (const WeightedPoint& point : near_) places.push_back(as_vec3(point.position));
@@ -367,7 +414,6 @@ class Region {
     double most_move_ = 0;
     double reach_;
     double spacing_;
-    FloatBox box_;  // of the centres, in the frame of the mesh
     std::vector<Placed> placed_;
     std::vector<bool> is_folded_;
     std::vector<std::uint32_t> folded_;
@@ -421,8 +467,9 @@ FoldedFaces unfold_faces(ooc::Context& context, MeshStore& mesh,
         const double spacing =
             reach * std::sqrt(static_cast<double>(mesh.vertices.size()) /
                               static_cast<double>(std::max<std::uint64_t>(1, runs.size())));
-        const std::uint64_t bytes =
-            regions.region_bytes(0) + kBytesPerFace * MeshRegions::kMostFaces;
+        const std::uint64_t bytes = regions.region_bytes(0) +
+                                    kBytesPerFace * MeshRegions::kMostFaces +
+                                    SampleRuns::kMostPoints * sizeof(WeightedPoint);
         const BlocksInFlight in_flight(context, "regions with folded faces", bytes);
         struct Work {
             std::vector<FoldedFace> faces;

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 #include <span>
+#include <tuple>
 #include <unordered_set>
 #include <utility>
 #include <vector>
@@ -22,23 +23,27 @@ namespace {
 // Components with more faces are kept even where they touch a larger one.
 constexpr std::uint32_t kMostFacesOfBubble = 8;
 
-bool is_open(const BlockMesh& mesh, std::uint32_t v) {
-    constexpr std::uint32_t kBoth = VertexFlags::kRaw | VertexFlags::kFrozen;
-    return (mesh.vertices[v].flags & kBoth) == VertexFlags::kRaw;
-}
-
 /// The fans of faces around the open clusters of a mesh, whose faces are settled.
 class Fans {
   public:
     explicit Fans(BlockMesh& mesh)
-        : mesh_(mesh), opposite_(3 * mesh.faces.size(), kNoIndex), named_(mesh.faces) {
+        : mesh_(mesh),
+          is_open_(mesh.vertices.size()),
+          opposite_(3 * mesh.faces.size(), kNoIndex),
+          named_(mesh.faces),
+          has_changed_(mesh.vertices.size(), 1) {
+        constexpr std::uint32_t kBoth = VertexFlags::kRaw | VertexFlags::kFrozen;
+        for (std::size_t v = 0; v < is_open_.size(); ++v) {
+            is_open_[v] = (mesh.vertices[v].flags & kBoth) == VertexFlags::kRaw;
+        }
         for_each_edge(mesh_.faces, mesh_.vertices.size(),
                       [&](std::uint32_t low, std::span<const HalfEdge> group) {
                           if (group.size() == 2) {
                               pair(group[0].id, group[1].id);
                           } else if (group.size() > 2 &&
-                                     (is_open(mesh_, low) || is_open(mesh_, group[0].other))) {
+                                     (is_open_[low] != 0 || is_open_[group[0].other] != 0)) {
                               pair_many(low, group);
+                              for (const HalfEdge& h : group) crowded_.push_back(h.id);
                           }
                       });
         name_fans();
@@ -121,42 +126,89 @@ class Fans {
         }
     }
 
-    /// Walks the fans of the open clusters: the first keeps the cluster's vertex, each further one
-    /// gets a new vertex, in the order of their first corners.
+    /// Walks the fans of the clusters that have changed: the first keeps the cluster's vertex, each
+    /// further one gets another, in the order of their first corners.
     void name_fans() {
         const auto& faces = mesh_.faces;
-        extra_.clear();
-        std::vector<bool> has_name(3 * faces.size());
-        std::vector<bool> has_fan(mesh_.vertices.size());
-        named_ = faces;
+        std::vector<std::uint8_t> has_name(3 * faces.size());
+        // The first of each cluster's extra vertices that is not taken, and where to look on.
+        std::vector<std::uint32_t> next_extra(mesh_.vertices.size(), kNoIndex);
+        std::vector<std::uint32_t> extra_after(extra_.size(), kNoIndex);
+        for (auto e = static_cast<std::uint32_t>(extra_.size()); e-- > 0;) {
+            extra_after[e] = std::exchange(next_extra[extra_[e]], e);
+        }
+        std::vector<std::uint8_t> has_fan(mesh_.vertices.size());
         for (std::uint32_t f = 0; f < faces.size(); ++f) {
             for (std::uint32_t i = 0; i < 3; ++i) {
                 const std::uint32_t cluster = faces[f][i];
-                if (has_name[3 * f + i] || !is_open(mesh_, cluster)) continue;
+                if (has_changed_[cluster] == 0 || has_name[3 * f + i] != 0) continue;
                 std::uint32_t vertex = cluster;
-                if (has_fan[cluster]) {
-                    vertex = static_cast<std::uint32_t>(n_vertices());
-                    extra_.push_back(cluster);
+                if (is_open_[cluster] == 0) {
+                    named_[f][i] = cluster;
+                    continue;
                 }
-                has_fan[cluster] = true;
-                // From this corner over the edge that leaves it, and over the one that arrives.
-                for (const std::uint32_t first_edge : {3 * f + i, 3 * f + (i + 2) % 3}) {
-                    std::uint32_t face = f;
-                    std::uint32_t corner = i;
-                    std::uint32_t edge = first_edge;
-                    for (;;) {
-                        named_[face][corner] = vertex;
-                        has_name[3 * face + corner] = true;
-                        const std::uint32_t next = opposite_[edge];
-                        if (next == kNoIndex) break;
-                        face = next / 3;
-                        const std::uint32_t start = next % 3;
-                        // The corner of the next face at our cluster, and its other edge there.
-                        corner = faces[face][start] == cluster ? start : (start + 1) % 3;
-                        edge = corner == start ? 3 * face + (start + 2) % 3 : 3 * face + corner;
-                        if (has_name[3 * face + corner]) break;
+                if (std::exchange(has_fan[cluster], 1) != 0) {
+                    std::uint32_t& extra = next_extra[cluster];
+                    if (extra != kNoIndex) {
+                        vertex = static_cast<std::uint32_t>(mesh_.vertices.size()) + extra;
+                        extra = extra_after[extra];
+                    } else {
+                        vertex = static_cast<std::uint32_t>(n_vertices());
+                        extra_.push_back(cluster);
                     }
                 }
+                walk_fan(f, i, vertex, has_name);
+            }
+        }
+        // A cluster may have fewer fans than before.
+        std::vector<std::uint8_t> is_unused(extra_.size());
+        bool is_any_unused = false;
+        for (std::size_t v = 0; v < has_changed_.size(); ++v) {
+            if (std::exchange(has_changed_[v], 0) == 0) continue;
+            for (std::uint32_t e = next_extra[v]; e != kNoIndex; e = extra_after[e]) {
+                is_unused[e] = 1;
+                is_any_unused = true;
+            }
+        }
+        if (is_any_unused) drop_extra(is_unused);
+    }
+
+    void drop_extra(std::span<const std::uint8_t> is_unused) {
+        const auto n_before = static_cast<std::uint32_t>(mesh_.vertices.size());
+        std::vector<std::uint32_t> new_vertex(extra_.size());
+        std::uint32_t n = 0;
+        for (std::size_t e = 0; e < extra_.size(); ++e) {
+            new_vertex[e] = n_before + n;
+            if (is_unused[e] == 0) extra_[n++] = extra_[e];
+        }
+        extra_.resize(n);
+        for (LocalFace& face : named_) {
+            for (std::uint32_t& v : face) {
+                if (v >= n_before) v = new_vertex[v - n_before];
+            }
+        }
+    }
+
+    /// From this corner over the edge that leaves it, and over the one that arrives.
+    void walk_fan(std::uint32_t f, std::uint32_t i, std::uint32_t vertex,
+                  std::vector<std::uint8_t>& has_name) {
+        const auto& faces = mesh_.faces;
+        const std::uint32_t cluster = faces[f][i];
+        for (const std::uint32_t first_edge : {3 * f + i, 3 * f + (i + 2) % 3}) {
+            std::uint32_t face = f;
+            std::uint32_t corner = i;
+            std::uint32_t edge = first_edge;
+            for (;;) {
+                named_[face][corner] = vertex;
+                has_name[3 * face + corner] = 1;
+                const std::uint32_t next = opposite_[edge];
+                if (next == kNoIndex) break;
+                face = next / 3;
+                const std::uint32_t start = next % 3;
+                // The corner of the next face at our cluster, and its other edge there.
+                corner = faces[face][start] == cluster ? start : (start + 1) % 3;
+                edge = corner == start ? 3 * face + (start + 2) % 3 : 3 * face + corner;
+                if (has_name[3 * face + corner] != 0) break;
             }
         }
     }
@@ -171,49 +223,76 @@ class Fans {
         std::unordered_set<std::uint32_t> used;
         std::uint64_t n = 0;
         std::uint64_t n_frozen = 0;
-        for_each_edge(
-            named_, n_vertices(), [&](std::uint32_t low, std::span<const HalfEdge> group) {
-                if (group.size() < 3) return;
-                const std::uint32_t high = group[0].other;
-                const bool low_is_open = is_open(mesh_, origin(low));
-                const bool high_is_open = is_open(mesh_, origin(high));
-                if (!low_is_open && !high_is_open) return;
-                ++n;
-                if (!low_is_open || !high_is_open) {
-                    mesh_.vertices[origin(low_is_open ? low : high)].flags |= VertexFlags::kFrozen;
-                    ++n_frozen;
-                    return;
-                }
-                if (used.contains(low) || used.contains(high)) return;
-                used.insert(low);
-                used.insert(high);
-                const auto is_forward = [&](std::uint32_t id) {
-                    return named_[id / 3][id % 3] == low;
-                };
-                const std::uint32_t p = group[0].id;
-                const std::uint32_t q = opposite_[p];
-                const auto partner =
-                    std::find_if(group.begin(), group.end(), [&](const HalfEdge& candidate) {
-                        const std::uint32_t r = candidate.id;
-                        return r != p && r != q && opposite_[r] != kNoIndex &&
-                               is_forward(r) == is_forward(p);
-                    });
-                if (is_stuck || q == kNoIndex || partner == group.end()) {
-                    for (const HalfEdge& h : group) opposite_[h.id] = kNoIndex;
-                    return;
-                }
-                const std::uint32_t r = partner->id;
-                const std::uint32_t s = opposite_[r];
-                pair(p, s);
-                pair(r, q);
-            });
+        struct Edge {
+            std::uint32_t low;
+            std::uint32_t high;
+            std::uint32_t id;
+            [[nodiscard]] bool is_same(const Edge& other) const {
+                return low == other.low && high == other.high;
+            }
+        };
+        std::vector<Edge> edges;
+        edges.reserve(crowded_.size());
+        for (const std::uint32_t id : crowded_) {
+            const LocalFace& face = named_[id / 3];
+            const auto [low, high] = std::minmax(face[id % 3], face[(id % 3 + 1) % 3]);
+            edges.push_back({low, high, id});
+        }
+        std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
+            return std::tie(a.low, a.high, a.id) < std::tie(b.low, b.high, b.id);
+        });
+        for (std::size_t i = 0; i < edges.size();) {
+            std::size_t j = i + 1;
+            while (j < edges.size() && edges[j].is_same(edges[i])) ++j;
+            const std::span<const Edge> group = std::span(edges).subspan(i, j - i);
+            i = j;
+            if (group.size() < 3) continue;
+            const std::uint32_t low = group[0].low;
+            const std::uint32_t high = group[0].high;
+            const bool low_is_open = is_open_[origin(low)] != 0;
+            const bool high_is_open = is_open_[origin(high)] != 0;
+            if (!low_is_open && !high_is_open) continue;
+            ++n;
+            if (!low_is_open || !high_is_open) {
+                const std::uint32_t v = origin(low_is_open ? low : high);
+                mesh_.vertices[v].flags |= VertexFlags::kFrozen;
+                is_open_[v] = 0;
+                has_changed_[v] = 1;
+                ++n_frozen;
+                continue;
+            }
+            if (used.contains(low) || used.contains(high)) continue;
+            used.insert(low);
+            used.insert(high);
+            has_changed_[origin(low)] = has_changed_[origin(high)] = 1;
+            const auto is_forward = [&](std::uint32_t id) { return named_[id / 3][id % 3] == low; };
+            const std::uint32_t p = group[0].id;
+            const std::uint32_t q = opposite_[p];
+            const auto partner =
+                std::find_if(group.begin(), group.end(), [&](const Edge& candidate) {
+                    const std::uint32_t r = candidate.id;
+                    return r != p && r != q && opposite_[r] != kNoIndex &&
+                           is_forward(r) == is_forward(p);
+                });
+            if (is_stuck || q == kNoIndex || partner == group.end()) {
+                for (const Edge& edge : group) opposite_[edge.id] = kNoIndex;
+                continue;
+            }
+            const std::uint32_t r = partner->id;
+            const std::uint32_t s = opposite_[r];
+            pair(p, s);
+            pair(r, q);
+        }
         return {n, n_frozen};
     }
 
     BlockMesh& mesh_;
+    std::vector<std::uint8_t> is_open_;    // clusters that get a vertex for each fan
     std::vector<std::uint32_t> opposite_;  // by half-edge
+    std::vector<std::uint32_t> crowded_;   // half-edges of edges with more than two faces
     std::vector<LocalFace> named_;
     std::vector<std::uint32_t> extra_;
+    std::vector<std::uint8_t> has_changed_;  // clusters whose pairs have, since fans were named
 };
 
 /// Folding pinches off bubbles: small closed components that share clusters with a larger one. They

@@ -45,16 +45,22 @@ SampleRuns::SampleRuns(ooc::Context& context, const ooc::Spool<FitSample>& sampl
 }
 
 void SampleRuns::for_each(const FloatBox& box, double reach, const Vec3& centre,
-                          const std::function<void(std::span<const WeightedPoint>)>& visit) const {
+                          const std::function<void(std::span<const WeightedPoint>)>& visit,
+                          std::uint64_t share) const {
+    const std::uint64_t stride = share * stride_;
     std::vector<FitSample> samples;
     std::vector<WeightedPoint> points;
+    points.reserve(kMostPoints);
     boxes_.for_each_near(box, reach, [&](std::uint64_t run) {
         const std::uint64_t first = run * kSamplesPerRun;
         samples.resize(std::min(kSamplesPerRun, samples_.size() - first));
         samples_.read(first, samples);
-        points.clear();
-        for (std::uint64_t i = (stride_ - first % stride_) % stride_; i < samples.size();
-             i += stride_) {
+        if (points.size() + kSamplesPerRun > kMostPoints) {
+            visit(points);
+            points.clear();
+        }
+        for (std::uint64_t i = (stride - first % stride) % stride; i < samples.size();
+             i += stride) {
             const Vec3 p = samples[i].position() - origin_;
             FloatBox place;
             place.extend(p);
@@ -62,8 +68,8 @@ void SampleRuns::for_each(const FloatBox& box, double reach, const Vec3& centre,
             points.push_back(
                 {to_single(p - centre), samples[i].area(), to_single(samples[i].normal())});
         }
-        if (!points.empty()) visit(points);
     });
+    if (!points.empty()) visit(points);
 }
 
 }  // namespace hewer::rsimp

@@ -30,16 +30,21 @@ class SampleRuns {
     SampleRuns(ooc::Context& context, const ooc::Spool<FitSample>& samples, const Vec3& origin,
                std::uint64_t n_vertices);
 
+    /// So many are worth being shared out among threads.
+    static constexpr std::uint64_t kMostPoints = 1 << 12;
+
     /// Samples that count.
     [[nodiscard]] std::uint64_t size() const { return (samples_.size() + stride_ - 1) / stride_; }
 
     /// Root of the area for each vertex, in cells: about their mean distance.
     [[nodiscard]] double spacing() const { return spacing_; }
 
-    /// Calls visit(points) for the samples within `reach` of `box`, relative to `centre`. Any
+    /// Calls visit(points), with up to kMostPoints of them, for the samples within `reach` of
+    /// `box`, or for one of `share` of them, relative to `centre`, in the order of the samples. Any
     /// thread.
     void for_each(const FloatBox& box, double reach, const Vec3& centre,
-                  const std::function<void(std::span<const WeightedPoint>)>& visit) const;
+                  const std::function<void(std::span<const WeightedPoint>)>& visit,
+                  std::uint64_t share = 1) const;
 
   private:
     const ooc::Spool<FitSample>& samples_;

@@ -22,7 +22,8 @@ Mesh large(const Mesh& mesh) {
 
 Mesh collapsed(const Mesh& mesh, const CollapseLimit& limit) {
     BlockMesh block = test::free_block(mesh);
-    EdgeCollapse collapse(block, {});
+    ooc::Workers workers(2);
+    EdgeCollapse collapse(workers, block, {});
     collapse.run(limit);
     apply_steps(block, collapse.steps(), nullptr);
     return test::to_mesh(block);
@@ -106,7 +107,8 @@ TEST(EdgeCollapse, NoVertexLeavesItsBoxByMoreThanTheBound) {
     // Each bound allows more than the one before.
     for (const double bound : {6.0, 12.0, 30.0}) {
         BlockMesh block = test::free_block(mesh);
-        EdgeCollapse collapse(block, bound);
+        ooc::Workers workers(2);
+        EdgeCollapse collapse(workers, block, bound);
         collapse.run({});
         EXPECT_TRUE(collapse.is_finished());
         apply_steps(block, collapse.steps(), nullptr);
@@ -123,11 +125,12 @@ TEST(EdgeCollapse, NoVertexLeavesItsBoxByMoreThanTheBound) {
 
 TEST(EdgeCollapse, ARunThatGoesOnMakesTheSameSteps) {
     const BlockMesh block = test::free_block(large(test::cube_sphere(20, 0.03)));
-    EdgeCollapse at_once(block, {});
+    ooc::Workers workers(2);
+    EdgeCollapse at_once(workers, block, {});
     CollapseLimit limit;
     limit.most_vertices = 1500;
     at_once.run(limit);
-    EdgeCollapse in_parts(block, {});
+    EdgeCollapse in_parts(workers, block, {});
     for (const std::uint64_t n : {1U, 17U, 500U, 1499U, 1500U}) {
         limit.most_vertices = n;
         in_parts.run(limit);
@@ -156,7 +159,8 @@ TEST(EdgeCollapse, LeavesFrozenAndLockedVerticesAlone) {
         v.flags = kind == 0 ? VertexFlags::kFrozen : VertexFlags::kLocked;
         fixed.emplace_back(v.id, v.vertex.position);
     }
-    EdgeCollapse collapse(block, {});
+    ooc::Workers workers(2);
+    EdgeCollapse collapse(workers, block, {});
     collapse.run({});
     apply_steps(block, collapse.steps(), nullptr);
     EXPECT_LT(block.vertices.size(), 1500U);

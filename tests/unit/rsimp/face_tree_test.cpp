@@ -106,7 +106,7 @@ TEST(FaceTree, FindsForManyPointsWhatItFindsForEach) {
         }
         for (const float most : {0.01F, 100.0F}) {
             std::uint32_t guess = 0;
-            std::vector<FaceTree::Hit> hits;
+            std::vector<FaceTree::Hit> hits(points.size());
             tree.nearest(points, most, guess, hits);
             ASSERT_EQ(hits.size(), points.size());
             for (std::size_t i = 0; i < points.size(); ++i) {
