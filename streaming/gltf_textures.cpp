@@ -60,20 +60,6 @@ std::unique_ptr<MeshSource> open_shape(const ArrayMesh& mesh) {
     return open_arrays(std::move(shape), false);
 }
 
-ooc::Spool<PackedTriangle> copy_triangles(ooc::Context& context, MeshSource& shape) {
-    ooc::Spool<PackedTriangle> triangles(context, "triangles");
-    std::vector<PackedTriangle> packed;
-    TriangleBatch batch;
-    shape.begin_triangles();
-    while (shape.next_triangles(batch)) {
-        packed.clear();
-        for (const Triangle& t : batch.corners) packed.emplace_back(t);
-        triangles.append(packed);
-        context.check_stop();
-    }
-    return triangles;
-}
-
 }  // namespace
 
 GltfTextures::GltfTextures(GltfDocument& document, GltfArrays& arrays, const OpenOptions& options,

@@ -19,8 +19,7 @@
 #include "streaming/obj_reader.h"
 #include "streaming/off_reader.h"
 #include "streaming/om_reader.h"
-#include "streaming/ply_header.h"
-#include "streaming/ply_reader.h"
+#include "streaming/ply_textures.h"
 #include "streaming/stl_reader.h"
 #include "streaming/temporary_input.h"
 #include "streaming/unpack.h"
@@ -64,12 +63,8 @@ std::unique_ptr<MeshSource> open_as(FileFormat format, std::unique_ptr<ooc::Inpu
                               "any name; this is another format");
     }
     switch (format) {
-        case FileFormat::Ply: {
-            streaming::PlyHeader header = streaming::read_ply_header(*file);
-            return header.encoding == streaming::PlyEncoding::Ascii
-                       ? streaming::open_ascii_ply(std::move(file), std::move(header), options)
-                       : streaming::open_binary_ply(std::move(file), std::move(header), options);
-        }
+        case FileFormat::Ply:
+            return streaming::open_textured_ply(std::move(file), options, hooks);
         case FileFormat::BinaryStl:
             return streaming::open_binary_stl(std::move(file), options.strict);
         case FileFormat::Gltf:
