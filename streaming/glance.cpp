@@ -9,7 +9,7 @@
 
 #include "hewer/error.h"
 #include "ooc/file.h"
-#include "streaming/draco_arrays.h"
+#include "streaming/draco_header.h"
 #include "streaming/file_format.h"
 #include "streaming/gltf_reader.h"
 #include "streaming/off_header.h"

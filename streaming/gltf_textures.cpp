@@ -56,6 +56,7 @@ std::unique_ptr<MeshSource> open_shape(const ArrayMesh& mesh) {
     ArrayMesh shape = mesh;
     shape.normals = {};
     shape.colors = {};
+    shape.weights = {};
     shape.color_factor = {1, 1, 1, 1};
     return open_arrays(std::move(shape), false);
 }

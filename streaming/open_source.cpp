@@ -57,10 +57,12 @@ std::unique_ptr<ooc::InputFile> unpack(std::unique_ptr<ooc::InputFile> file,
 
 std::unique_ptr<MeshSource> open_as(FileFormat format, std::unique_ptr<ooc::InputFile> file,
                                     const OpenOptions& options, const Hooks& hooks) {
-    if (!options.weight_property.empty() && format != FileFormat::Ply) {
+    const bool has_names =
+        format == FileFormat::Ply || format == FileFormat::Gltf || format == FileFormat::Glb;
+    if (!options.weight_property.empty() && !has_names) {
         throw InvalidArgument(file->path().string() +
-                              ": --weight-property needs a PLY, whose vertices can have numbers of "
-                              "any name; this is another format");
+                              ": --weight-property needs a PLY or glTF, whose vertices can have "
+                              "numbers of any name; this is another format");
     }
     switch (format) {
         case FileFormat::Ply:
