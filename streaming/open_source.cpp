@@ -9,6 +9,7 @@
 #include "hewer/error.h"
 #include "hewer/mesh_source.h"
 #include "ooc/file.h"
+#include "ooc/memory_budget.h"
 #include "ooc/progress_part.h"
 #include "streaming/ascii_stl_reader.h"
 #include "streaming/draco_arrays.h"
@@ -35,7 +36,13 @@ std::unique_ptr<ooc::InputFile> open_input(const std::filesystem::path& path,
                                            const OpenOptions& options, const Hooks& hooks) {
     if (streaming::is_pipe(path)) return streaming::spool_pipe(path, options, hooks);
     auto file = std::make_unique<ooc::InputFile>(path == "-" ? "/dev/stdin" : path);
-    file->advise_sequential();
+    // What the system reads ahead counts in a control group, and cannot be taken back before the
+    // disk has delivered it: 16 MiB where block devices are set to 8. Readers ask for large blocks,
+    // on several threads, so little is lost.
+    constexpr std::uint64_t kRoomToReadAhead = std::uint64_t{1} << 30;
+    const std::uint64_t limit =
+        options.memory_bytes != 0 ? options.memory_bytes : ooc::default_memory_limit();
+    if (limit < kRoomToReadAhead) file->disable_readahead();
     return file;
 }
 
