@@ -119,8 +119,8 @@ OptionSpec{"color_weight", "--color-weight", "W", T::Number, kTargets, "% of the
 OptionSpec{"normal_weight", "--normal-weight", "W", T::Number, kTargets, "% of the diagonal", "0", 0, 1e6, "", kMethod, false,
     "The same for the normals of the input's vertices: a component of a unit normal, by one."},
 OptionSpec{"weight_property", "--weight-property", "NAME", T::Name, kTargets, "", "", 0, 0, "", kMethod, false,
-    "Property of a PLY's vertices, such as quality or confidence: the surface at a vertex counts as "
-    "that many times its area, 0 to 1000. Only ratios matter."},
+    "Property of the vertices of a PLY, such as quality or confidence, or of a glTF (_NAME): the surface "
+    "at a vertex counts as that many times its area, 0 to 1000. Only ratios matter."},
 OptionSpec{"focus", "--focus", "BOX:WEIGHT", T::FocusBoxes, kTargets, "model units", "", 0, 0, "", kMethod, false,
     "Box of interest, x0,y0,z0,x1,y1,z1:WEIGHT: the surface in it counts as WEIGHT times its area, 0 "
     "to 1000. May be given several times; weights multiply."},

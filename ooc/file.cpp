@@ -62,8 +62,8 @@ std::size_t InputFile::read_at(std::uint64_t offset, void* out, std::size_t byte
     return done;
 }
 
-void InputFile::advise_sequential() const {
-    (void)::posix_fadvise(fd_, 0, 0, POSIX_FADV_SEQUENTIAL);
+void InputFile::disable_readahead() const {
+    (void)::posix_fadvise(fd_, 0, 0, POSIX_FADV_RANDOM);
 }
 
 OutputFile::OutputFile(const std::filesystem::path& path, bool overwrite)

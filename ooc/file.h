@@ -32,8 +32,8 @@ class InputFile {
     [[nodiscard]] std::uint64_t held_temp_bytes() const { return spilled_ ? size_ : 0; }
     /// Reads up to `bytes` at `offset`, fewer only at the end of the file; returns how many.
     std::size_t read_at(std::uint64_t offset, void* out, std::size_t bytes) const;
-    /// Tells the system that the file will be read from front to back.
-    void advise_sequential() const;
+    /// Tells the system to read what is asked for and no more.
+    void disable_readahead() const;
 
   private:
     std::filesystem::path path_;

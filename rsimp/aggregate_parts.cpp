@@ -298,8 +298,7 @@ bool is_lower(const MergedCell& a, const MergedCell& b) {
 class CellMerger {
   public:
     CellMerger(ooc::Context& context, const CellBlocks& cells)
-        : cells_(cells),
-          records_(cells.cells),
+        : records_(cells.cells),
           target_(context.budget(), "cells that others are merged with", cells.n_cells()) {
         if (!cells.attributes.empty()) attributes_.emplace(cells.attributes);
         for (std::uint64_t i = 0; i < cells.n_cells(); ++i) {
@@ -351,7 +350,6 @@ class CellMerger {
     [[nodiscard]] double farthest() const { return std::sqrt(farthest_); }
 
   private:
-    const CellBlocks& cells_;
     ooc::SpoolCache<CellRecord> records_;
     std::optional<ooc::SpoolCache<CellAttributes>> attributes_;
     ooc::Array<std::uint32_t> target_;

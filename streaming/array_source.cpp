@@ -140,6 +140,7 @@ class ArraySource final : public MeshSource {
         info_.has_double_positions = mesh_.has_double_positions;
         info_.has_normals = mesh_.normals.count > 0;
         info_.has_colors = mesh_.has_any_color();
+        info_.has_weights = mesh_.weights.count > 0;
         info_.has_alpha =
             info_.has_colors && (mesh_.colors.n_components == 4 || mesh_.color_factor[3] != 1);
     }
@@ -184,6 +185,12 @@ class ArraySource final : public MeshSource {
         if (info_.has_normals) {
             read_components<3>(mesh_.normals, first, n, *buffer, [&](std::size_t i, const Vec3& p) {
                 batch.normals[i] = normal_map_.apply(p);
+            });
+        }
+        batch.weights.resize(info_.has_weights ? n : 0);
+        if (info_.has_weights) {
+            read_components<1>(mesh_.weights, first, n, *buffer, [&](std::size_t i, const auto& w) {
+                batch.weights[i] = static_cast<float>(w[0]);
             });
         }
         batch.colors.resize(info_.has_colors ? n : 0);

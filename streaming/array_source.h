@@ -52,6 +52,7 @@ struct ArrayMesh {
     StridedArray positions;  ///< 3 components
     StridedArray normals;    ///< 3 components
     StridedArray colors;     ///< 3 or 4 components, 0..1
+    StridedArray weights;    ///< 1 component
     StridedArray texcoords;  ///< 2 components; not delivered: for load_texcoords()
     StridedArray indices;    ///< 1 component; none: each vertex once, in order
 

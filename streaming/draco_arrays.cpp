@@ -14,6 +14,7 @@
 #include "hewer/error.h"
 #include "ooc/memory_budget.h"
 #include "ooc/units.h"
+#include "streaming/draco_header.h"
 #include "streaming/temporary_input.h"
 
 namespace hewer::streaming {
@@ -22,41 +23,10 @@ namespace {
 
 // Measured on closed meshes with positions and normals, rounded up.
 constexpr std::uint64_t kBytesPerFace = 200;
+// Each corner a point of its own; more are believed to cost something only in damaged files.
+constexpr std::uint64_t kPointsPerFace = 3;
 constexpr std::uint64_t kPiece = 4096;
 constexpr double kFullScale = 65535;
-
-// The header: "DRACO", version, kind of geometry, method, flags.
-constexpr std::size_t kHeaderBytes = 11;
-constexpr std::size_t kMajorAt = 5;
-constexpr std::size_t kMinorAt = 6;
-constexpr std::size_t kMethodAt = 8;
-constexpr std::size_t kFlagsAt = 10;  // the high byte, which has the flag of metadata
-constexpr unsigned char kHasMetadata = 0x80;
-constexpr unsigned char kEdgebreaker = 1;
-
-/// Nothing if it cannot be told without the decoder.
-std::optional<DracoCounts> announced_by(std::span<const char> bytes) {
-    const auto at = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
-    if (bytes.size() < kHeaderBytes + 2) return {};
-    const bool has_varints = at(kMajorAt) > 2 || (at(kMajorAt) == 2 && at(kMinorAt) >= 2);
-    if (!has_varints || (at(kFlagsAt) & kHasMetadata) != 0) return {};
-    std::size_t i = kHeaderBytes;
-    const auto varint = [&]() -> std::optional<std::uint64_t> {
-        std::uint64_t value = 0;
-        for (unsigned shift = 0; shift < 35 && i < bytes.size(); shift += 7) {
-            const unsigned char byte = at(i++);
-            value |= std::uint64_t{byte & 0x7fU} << shift;
-            if ((byte & 0x80) == 0) return value;
-        }
-        return {};
-    };
-    const bool is_edgebreaker = at(kMethodAt) == kEdgebreaker;
-    if (is_edgebreaker) ++i;  // kind of traversal
-    const auto first = varint();
-    const auto second = varint();
-    if (!first || !second) return {};
-    return is_edgebreaker ? DracoCounts{*first, *second} : DracoCounts{*second, *first};
-}
 
 /// Writes records of `n` elements, made by fill(first, piece), behind what is there.
 template <typename Record, typename Fill>
@@ -136,14 +106,6 @@ void require_whole(const draco::Mesh& mesh, const draco::PointAttribute* positio
 
 }  // namespace
 
-std::optional<DracoCounts> announced_counts(const ooc::InputFile& file) {
-    constexpr std::size_t kKindAt = 7;
-    std::array<char, 64> bytes{};
-    const std::size_t n = file.read_at(0, bytes.data(), bytes.size());
-    if (n <= kKindAt || bytes[kKindAt] != draco::TRIANGULAR_MESH) return {};
-    return announced_by({bytes.data(), n});
-}
-
 ArrayMesh decode_draco(const ooc::InputFile& file, std::uint64_t offset, std::uint64_t n_bytes,
                        const DracoIds& ids, const OpenOptions& options) {
     const std::string place = file.path().string() + ": byte " + std::to_string(offset) + ": ";
@@ -160,9 +122,10 @@ ArrayMesh decode_draco(const ooc::InputFile& file, std::uint64_t offset, std::ui
     const ooc::Reservation encoded = need(n_bytes);
     std::vector<char> bytes(n_bytes);
     bytes.resize(file.read_at(offset, bytes.data(), n_bytes));
-    const auto announced = announced_by(bytes);
-    const std::uint64_t n_faces = announced ? announced->n_faces : n_bytes;
-    const ooc::Reservation decoded = need(kBytesPerFace * n_faces);
+    // Data that ends within its header is nothing to decode.
+    const DracoCounts announced = announced_counts(bytes).value_or(DracoCounts{});
+    const ooc::Reservation decoded =
+        need(kBytesPerFace * std::max(announced.n_faces, announced.n_points / kPointsPerFace));
     try {
         const std::unique_ptr<draco::Mesh> mesh = decode(bytes, place);
         const auto* const positions =
@@ -172,6 +135,8 @@ ArrayMesh decode_draco(const ooc::InputFile& file, std::uint64_t offset, std::ui
         const auto* const colors = find(*mesh, ids.colors, draco::GeometryAttribute::COLOR);
         const auto* const texcoords =
             ids.texcoords ? mesh->GetAttributeByUniqueId(*ids.texcoords) : nullptr;
+        const auto* const weights =
+            ids.weights ? mesh->GetAttributeByUniqueId(*ids.weights) : nullptr;
         TemporaryInput out(options);
         ArrayMesh arrays;
         const std::uint64_t n = mesh->num_points();
@@ -193,6 +158,11 @@ ArrayMesh decode_draco(const ooc::InputFile& file, std::uint64_t offset, std::ui
                 out, n, [&](std::uint64_t i) { return read_floats<2>(*texcoords, i); });
             arrays.texcoords.count = n;
         }
+        if (weights != nullptr && weights->num_components() == 1) {
+            arrays.weights.offset = write_array<std::array<float, 1>>(
+                out, n, [&](std::uint64_t i) { return read_floats<1>(*weights, i); });
+            arrays.weights.count = n;
+        }
         arrays.indices.offset = write_array<
             std::array<std::uint32_t, 3>>(out, mesh->num_faces(), [&](std::uint64_t i) {
             const draco::Mesh::Face& face =
@@ -209,6 +179,8 @@ ArrayMesh decode_draco(const ooc::InputFile& file, std::uint64_t offset, std::ui
                          4,       ScalarType::UInt16,   true};
         arrays.texcoords = {written, arrays.texcoords.offset, 8,    arrays.texcoords.count,
                             2,       ScalarType::Float32,     false};
+        arrays.weights = {written, arrays.weights.offset, 4,    arrays.weights.count,
+                          1,       ScalarType::Float32,   false};
         arrays.indices = {written, arrays.indices.offset, 4,    arrays.indices.count,
                           1,       ScalarType::UInt32,    false};
         return arrays;

@@ -17,17 +17,9 @@ struct DracoIds {
     std::optional<std::uint32_t> positions;
     std::optional<std::uint32_t> normals;
     std::optional<std::uint32_t> colors;
-    std::optional<std::uint32_t> texcoords;
+    std::optional<std::uint32_t> texcoords;  // texcoords and weights by their ids alone
+    std::optional<std::uint32_t> weights;
 };
-
-/// What the header announces; what is decoded may have a few points more.
-struct DracoCounts {
-    std::uint64_t n_points = 0;
-    std::uint64_t n_faces = 0;
-};
-
-/// Of a file. Nothing if only the decoder could tell: point clouds, metadata, old versions.
-std::optional<DracoCounts> announced_counts(const ooc::InputFile& file);
 
 /// Decodes `n_bytes` at `offset` of the file to arrays in a temporary file; the names and all but
 /// the arrays of the result are the caller's. The decoder of the library holds all of the mesh at

@@ -9,7 +9,7 @@
 
 #include "hewer/error.h"
 #include "ooc/file.h"
-#include "streaming/draco_arrays.h"
+#include "streaming/draco_header.h"
 #include "streaming/file_format.h"
 #include "streaming/gltf_reader.h"
 #include "streaming/off_header.h"
@@ -102,9 +102,7 @@ class Glance {
             case FileFormat::Ply: {
                 PlyHeader header = read_ply_header(*file_);
                 const bool is_text = header.encoding == PlyEncoding::Ascii;
-                const auto source =
-                    is_text ? open_ascii_ply(std::move(file_), std::move(header), options_)
-                            : open_binary_ply(std::move(file_), std::move(header), options_);
+                const auto source = open_ply(std::move(file_), std::move(header), options_);
                 take(source->info(), report_);
                 if (!is_text) report_.bounds = sample_box(*source);
                 break;

@@ -17,6 +17,8 @@ namespace hewer::streaming {
 namespace {
 
 constexpr std::uint64_t kPieceBytes = 1 << 20;
+// The first byte of attributes in version 1.
+constexpr unsigned char kNewAttributes = 0xa1;
 // The format's largest stride, and what keeps products of counts and strides below 2^64.
 constexpr std::uint64_t kMostStride = 256;
 constexpr std::uint64_t kMostCount = std::uint64_t{1} << 48;
@@ -108,6 +110,13 @@ FileRange GltfArrays::decode(std::int64_t index, const gltf::MeshoptView& view) 
     } else if (mode == "INDICES") {
         result = meshopt_decodeIndexSequence(bytes.data(), count, stride, packed.data(), length);
     }
+    if (result != 0 && mode == "ATTRIBUTES" && !packed.empty() && packed[0] == kNewAttributes) {
+        throw FormatError(what + " is damaged, or in version 1 of the attribute format of " +
+                          "KHR_meshopt_compression, which needs meshoptimizer 0.23 (this is " +
+                          std::to_string(MESHOPTIMIZER_VERSION / 1000) + "." +
+                          std::to_string(MESHOPTIMIZER_VERSION / 10 % 100) +
+                          "); write the file with EXT_meshopt_compression instead");
+    }
     if (result != 0) throw FormatError(what + " is damaged (mode " + mode + ")");
     const std::string& filter = view.filter;
     if (filter == "OCTAHEDRAL" && (stride == 4 || stride == 8)) {
@@ -117,7 +126,11 @@ FileRange GltfArrays::decode(std::int64_t index, const gltf::MeshoptView& view) 
     } else if (filter == "EXPONENTIAL") {
         meshopt_decodeFilterExp(bytes.data(), count, stride);
     } else if (!filter.empty() && filter != "NONE") {
-        throw FormatError(what + ": unknown filter " + filter);
+        throw FormatError(
+            what + ": the filter " + filter + " is not known to hewer" +
+            (filter == "COLOR"
+                 ? "; write the file with EXT_meshopt_compression, which has no such filter"
+                 : ""));
     }
     TemporaryInput out(rest());
     out.append(bytes.data(), bytes.size());

@@ -11,11 +11,11 @@
 
 namespace hewer::streaming {
 
-/// Plain accessors are told where they lie. Compressed views (EXT_meshopt_compression) are decoded
-/// once each, and sparse accessors are put together, in temporary files.
-/// Memory: of one compressed view, packed and unpacked, while it is decoded; else small.
-/// Throws: FormatError (what reaches out of its place; damaged data), OutOfMemoryBudget,
-/// OutOfDiskBudget, IoError.
+/// Plain accessors are told where they lie. Compressed views (EXT_meshopt_compression, and
+/// KHR_meshopt_compression as far as meshoptimizer has it) are decoded once each, and sparse
+/// accessors are put together, in temporary files. Memory: of one compressed view, packed and
+/// unpacked, while it is decoded; else small. Throws: FormatError (what reaches out of its place;
+/// damaged data), OutOfMemoryBudget, OutOfDiskBudget, IoError.
 class GltfArrays {
   public:
     /// Both must outlive it.

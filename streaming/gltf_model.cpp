@@ -2,6 +2,7 @@
 #include "streaming/gltf_model.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -14,7 +15,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr const char* kMeshopt = "EXT_meshopt_compression";
+// The same but for what can be in the data: see GltfArrays.
+constexpr std::array<const char*, 2> kMeshopt{"KHR_meshopt_compression", "EXT_meshopt_compression"};
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
 constexpr const char* kInstancing = "EXT_mesh_gpu_instancing";
 constexpr const char* kTransform = "KHR_texture_transform";
@@ -143,7 +145,9 @@ BufferView parse_view(const Item& item) {
                     item.size("byteLength"),
                     item.size("byteStride"),
                     {}};
-    if (const auto packed = item.extension(kMeshopt)) {
+    for (const char* const name : kMeshopt) {
+        const auto packed = item.extension(name);
+        if (!packed || view.meshopt) continue;
         view.meshopt = {packed->index("buffer"),    packed->size("byteOffset"),
                         packed->size("byteLength"), packed->size("byteStride"),
                         packed->size("count"),      packed->text("mode"),

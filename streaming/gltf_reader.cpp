@@ -27,8 +27,9 @@ constexpr std::size_t kMostPlaced = 1'000'000;
 constexpr unsigned kMostNodeDepth = 1000;
 
 bool is_known(std::string_view extension) {
-    constexpr std::array<std::string_view, 3> kGeometry{
-        "KHR_mesh_quantization", "EXT_meshopt_compression", "KHR_draco_mesh_compression"};
+    constexpr std::array<std::string_view, 4> kGeometry{
+        "KHR_mesh_quantization", "EXT_meshopt_compression", "KHR_meshopt_compression",
+        "KHR_draco_mesh_compression"};
     // Of materials and textures, which change no geometry.
     constexpr std::array<std::string_view, 5> kLooks{
         "KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "MSFT_texture_"};
@@ -85,6 +86,7 @@ class Scene {
 
     std::unique_ptr<MeshSource> open() {
         place_all();
+        require_weights();
         drop_the_one_colour();
         if (placed_.size() == 1) placed_.front().name = document_.name;
         // What concerns all of them is told by one.
@@ -147,6 +149,23 @@ class Scene {
         if (unknown.empty()) return;
         throw FormatError(document_.name + ": cannot be read without " + unknown +
                           ", which hewer does not know");
+    }
+
+    void require_weights() const {
+        const std::string& name = options_.weight_property;
+        if (name.empty() || std::any_of(placed_.begin(), placed_.end(), [](const ArrayMesh& mesh) {
+                return mesh.weights.count > 0;
+            })) {
+            return;
+        }
+        std::string names;
+        for (const std::string& other : ignored_) {
+            if (other.starts_with('_')) names += (names.empty() ? "" : ", ") + other;
+        }
+        throw InvalidArgument(document_.name + ": no mesh has a number '" + name +
+                              "' for each vertex that could be its weight (--weight-property); " +
+                              (names.empty() ? "there are no attributes with names of their own"
+                                             : "there are " + names));
     }
 
     void place_all() {
@@ -325,7 +344,8 @@ class Scene {
     /// @param texcoord  the attribute that goes into colours; empty: none.
     void name_ignored(const gltf::Primitive& primitive, const std::string& texcoord) {
         for (const auto& [name, accessor] : primitive.attributes) {
-            if (name != "POSITION" && name != "NORMAL" && name != "COLOR_0" && name != texcoord) {
+            if (name != "POSITION" && name != "NORMAL" && name != "COLOR_0" && name != texcoord &&
+                name != options_.weight_property) {
                 ignore(name);
             }
         }
@@ -367,14 +387,16 @@ class Scene {
         arrays.normals = find("NORMAL");
         arrays.colors = find("COLOR_0");
         arrays.texcoords = find(texcoord);
+        arrays.weights = find(options_.weight_property);
         if (primitive.indices >= 0) arrays.indices = arrays_.array(primitive.indices);
         const std::uint64_t n = arrays.positions.count;
         const bool is_alike = arrays.positions.n_components == 3 &&
-
                               (arrays.normals.count == 0 ||
                                (arrays.normals.count == n && arrays.normals.n_components == 3)) &&
                               (arrays.colors.count == 0 ||
-                               (arrays.colors.count == n && arrays.colors.n_components >= 3));
+                               (arrays.colors.count == n && arrays.colors.n_components >= 3)) &&
+                              (arrays.weights.count == 0 ||
+                               (arrays.weights.count == n && arrays.weights.n_components == 1));
         const bool are_indices = arrays.indices.count == 0 || (arrays.indices.n_components == 1 &&
                                                                is_integer(arrays.indices.type));
         if (!is_alike || !are_indices) {
@@ -392,10 +414,10 @@ class Scene {
         const FileRange range = buffer_view(document_, draco.view);
         if (!range.file) throw FormatError(what + ": the buffer of its Draco data is not there");
         // Whatever the primitive says: Draco's faces are triangles.
-        arrays =
-            decode_draco(*range.file, range.offset, range.n_bytes,
-                         {id_of("POSITION"), id_of("NORMAL"), id_of("COLOR_0"), id_of(texcoord)},
-                         arrays_.rest());
+        arrays = decode_draco(*range.file, range.offset, range.n_bytes,
+                              {id_of("POSITION"), id_of("NORMAL"), id_of("COLOR_0"),
+                               id_of(texcoord), id_of(options_.weight_property)},
+                              arrays_.rest());
         arrays_.add_held_temp_bytes(std::exchange(arrays.held_temp_bytes, 0));
     }
 

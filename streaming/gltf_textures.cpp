@@ -56,22 +56,9 @@ std::unique_ptr<MeshSource> open_shape(const ArrayMesh& mesh) {
     ArrayMesh shape = mesh;
     shape.normals = {};
     shape.colors = {};
+    shape.weights = {};
     shape.color_factor = {1, 1, 1, 1};
     return open_arrays(std::move(shape), false);
-}
-
-ooc::Spool<PackedTriangle> copy_triangles(ooc::Context& context, MeshSource& shape) {
-    ooc::Spool<PackedTriangle> triangles(context, "triangles");
-    std::vector<PackedTriangle> packed;
-    TriangleBatch batch;
-    shape.begin_triangles();
-    while (shape.next_triangles(batch)) {
-        packed.clear();
-        for (const Triangle& t : batch.corners) packed.emplace_back(t);
-        triangles.append(packed);
-        context.check_stop();
-    }
-    return triangles;
 }
 
 }  // namespace

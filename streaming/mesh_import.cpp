@@ -333,6 +333,20 @@ std::unique_ptr<MeshSource> MeshImport::finish() {
     return std::make_unique<Source>(std::move(state_));
 }
 
+ooc::Spool<PackedTriangle> copy_triangles(ooc::Context& context, MeshSource& source) {
+    ooc::Spool<PackedTriangle> triangles(context, "triangles");
+    std::vector<PackedTriangle> packed;
+    TriangleBatch batch;
+    source.begin_triangles();
+    while (source.next_triangles(batch)) {
+        packed.clear();
+        for (const Triangle& t : batch.corners) packed.emplace_back(t);
+        triangles.append(packed);
+        context.check_stop();
+    }
+    return triangles;
+}
+
 std::unique_ptr<MeshSource> import_indexed(MeshSource& soup, const OpenOptions& options,
                                            const Hooks& hooks) {
     const SourceInfo& info = soup.info();

@@ -96,6 +96,9 @@ class MeshImport {
     std::unique_ptr<State> state_;
 };
 
+/// The triangles of an indexed source, in order.
+ooc::Spool<PackedTriangle> copy_triangles(ooc::Context& context, MeshSource& source);
+
 /// `source`, with the triangles of a soup as vertices and indices: for soups that have to go
 /// together with indexed meshes.
 std::unique_ptr<MeshSource> import_indexed(MeshSource& soup, const OpenOptions& options,

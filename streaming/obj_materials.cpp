@@ -12,7 +12,6 @@ namespace hewer::streaming {
 
 namespace {
 
-constexpr float kFullScale = 65535;
 constexpr Rgba16 kWhite{65535, 65535, 65535, 65535};
 constexpr std::uint64_t kNoTexcoord = PackedTriangle::kMostVertices - 1;
 constexpr Triangle kNoTexcoords{kNoTexcoord, kNoTexcoord, kNoTexcoord};
@@ -26,14 +25,6 @@ ooc::ResourceLimits limits_beside(MeshImport& import, const OpenOptions& options
             .n_threads = options.n_threads,
             .temp_dir = options.temp_dir,
             .max_temp_bytes = left.max_temp_bytes};
-}
-
-Rgba16 to_rgba(const MeanColor& color) {
-    Rgba16 result = kWhite;
-    for (std::size_t k = 0; k < 3; ++k) {
-        result[k] = static_cast<std::uint16_t>(std::lround(color[k] * kFullScale));
-    }
-    return result;
 }
 
 }  // namespace
@@ -216,14 +207,7 @@ Paint ObjMaterials::make_paint(const MtlMaterial& material, TextureSet& textures
     }
     const auto [it, is_new] = texture_numbers_.try_emplace(material.map);
     if (is_new) {
-        it->second = textures.add(
-            material.map.string(),
-            [&] {
-                auto file = std::make_shared<ooc::InputFile>(material.map);
-                const std::uint64_t size = file->size();
-                return FileRange{std::move(file), 0, size};
-            },
-            options_.strict);
+        it->second = textures.add_file(material.map, options_.strict);
     }
     paint.texture = it->second;
     // v goes up in OBJ.

@@ -9,6 +9,7 @@
 #include "hewer/error.h"
 #include "hewer/mesh_source.h"
 #include "ooc/file.h"
+#include "ooc/memory_budget.h"
 #include "ooc/progress_part.h"
 #include "streaming/ascii_stl_reader.h"
 #include "streaming/draco_arrays.h"
@@ -19,8 +20,7 @@
 #include "streaming/obj_reader.h"
 #include "streaming/off_reader.h"
 #include "streaming/om_reader.h"
-#include "streaming/ply_header.h"
-#include "streaming/ply_reader.h"
+#include "streaming/ply_textures.h"
 #include "streaming/stl_reader.h"
 #include "streaming/temporary_input.h"
 #include "streaming/unpack.h"
@@ -36,7 +36,13 @@ std::unique_ptr<ooc::InputFile> open_input(const std::filesystem::path& path,
                                            const OpenOptions& options, const Hooks& hooks) {
     if (streaming::is_pipe(path)) return streaming::spool_pipe(path, options, hooks);
     auto file = std::make_unique<ooc::InputFile>(path == "-" ? "/dev/stdin" : path);
-    file->advise_sequential();
+    // What the system reads ahead counts in a control group, and cannot be taken back before the
+    // disk has delivered it: 16 MiB where block devices are set to 8. Readers ask for large blocks,
+    // on several threads, so little is lost.
+    constexpr std::uint64_t kRoomToReadAhead = std::uint64_t{1} << 30;
+    const std::uint64_t limit =
+        options.memory_bytes != 0 ? options.memory_bytes : ooc::default_memory_limit();
+    if (limit < kRoomToReadAhead) file->disable_readahead();
     return file;
 }
 
@@ -58,18 +64,16 @@ std::unique_ptr<ooc::InputFile> unpack(std::unique_ptr<ooc::InputFile> file,
 
 std::unique_ptr<MeshSource> open_as(FileFormat format, std::unique_ptr<ooc::InputFile> file,
                                     const OpenOptions& options, const Hooks& hooks) {
-    if (!options.weight_property.empty() && format != FileFormat::Ply) {
+    const bool has_names =
+        format == FileFormat::Ply || format == FileFormat::Gltf || format == FileFormat::Glb;
+    if (!options.weight_property.empty() && !has_names) {
         throw InvalidArgument(file->path().string() +
-                              ": --weight-property needs a PLY, whose vertices can have numbers of "
-                              "any name; this is another format");
+                              ": --weight-property needs a PLY or glTF, whose vertices can have "
+                              "numbers of any name; this is another format");
     }
     switch (format) {
-        case FileFormat::Ply: {
-            streaming::PlyHeader header = streaming::read_ply_header(*file);
-            return header.encoding == streaming::PlyEncoding::Ascii
-                       ? streaming::open_ascii_ply(std::move(file), std::move(header), options)
-                       : streaming::open_binary_ply(std::move(file), std::move(header), options);
-        }
+        case FileFormat::Ply:
+            return streaming::open_textured_ply(std::move(file), options, hooks);
         case FileFormat::BinaryStl:
             return streaming::open_binary_stl(std::move(file), options.strict);
         case FileFormat::Gltf:

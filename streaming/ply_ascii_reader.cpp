@@ -175,8 +175,8 @@ class AsciiEncoding {
 
 }  // namespace
 
-std::unique_ptr<MeshSource> open_ascii_ply(std::unique_ptr<ooc::InputFile> file, PlyHeader header,
-                                           const OpenOptions& options) {
+std::unique_ptr<MeshSource> open_ascii_ply(std::shared_ptr<const ooc::InputFile> file,
+                                           PlyHeader header, const OpenOptions& options) {
     return std::make_unique<PlySource<AsciiEncoding>>(std::move(file), std::move(header), options);
 }
 

@@ -125,8 +125,8 @@ class BinaryEncoding {
 
 }  // namespace
 
-std::unique_ptr<MeshSource> open_binary_ply(std::unique_ptr<ooc::InputFile> file, PlyHeader header,
-                                            const OpenOptions& options) {
+std::unique_ptr<MeshSource> open_binary_ply(std::shared_ptr<const ooc::InputFile> file,
+                                            PlyHeader header, const OpenOptions& options) {
     return std::make_unique<PlySource<BinaryEncoding>>(std::move(file), std::move(header), options);
 }
 

@@ -160,6 +160,13 @@ PlyProperty parse_property(const HeaderLines& lines, const std::vector<std::stri
     return property;
 }
 
+/// Names may have blanks in them.
+void parse_comment(const std::vector<std::string_view>& words, PlyHeader& header) {
+    if (words.size() < 3 || words[1] != "TextureFile") return;
+    const char* const end = words.back().data() + words.back().size();
+    header.texture_files.emplace_back(words[2].data(), end);
+}
+
 }  // namespace
 
 bool PlyElement::has_lists() const {
@@ -180,9 +187,11 @@ PlyHeader read_ply_header(const ooc::InputFile& file) {
     (void)lines.next();  // "ply": the caller has looked
     while (true) {
         const std::vector<std::string_view> words = lines.next();
-        if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
+        if (words.empty() || words[0] == "obj_info") continue;
         if (words[0] == "end_header") break;
-        if (words[0] == "format") {
+        if (words[0] == "comment") {
+            parse_comment(words, header);
+        } else if (words[0] == "format") {
             header.encoding = parse_format(lines, words);
             has_format = true;
         } else if (words[0] == "element") {

@@ -32,7 +32,9 @@ struct PlyElement {
 struct PlyHeader {
     PlyEncoding encoding = PlyEncoding::Ascii;
     std::vector<PlyElement> elements;  ///< in file order
-    std::uint64_t n_bytes = 0;         ///< length of the header: where the data begin
+    /// NAME of each "comment TextureFile NAME", by which MeshLab and others name their textures.
+    std::vector<std::string> texture_files;
+    std::uint64_t n_bytes = 0;  ///< length of the header: where the data begin
     std::uint64_t n_lines = 0;
 
     /// Null if there is none of that name.

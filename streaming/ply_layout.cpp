@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hewer/error.h"
@@ -55,6 +56,35 @@ void find_colors(const PlyElement& element, PlyVertexFields& fields,
         if (fields.alpha) carried.emplace_back(family.alpha);
         return;
     }
+}
+
+std::optional<std::size_t> find_property(const PlyElement& element, std::string_view name,
+                                         bool is_list) {
+    const auto found =
+        std::find_if(element.properties.begin(), element.properties.end(),
+                     [&](const PlyProperty& p) { return p.is_list == is_list && p.name == name; });
+    if (found == element.properties.end()) return std::nullopt;
+    return static_cast<std::size_t>(found - element.properties.begin());
+}
+
+std::optional<PlyTexcoords> find_texcoords(const PlyElement& vertex, const PlyElement& face) {
+    PlyTexcoords texcoords;
+    if (const auto list = find_property(face, "texcoord", true)) {
+        texcoords.is_at_corners = true;
+        texcoords.list = *list;
+        texcoords.texture = find_property(face, "texnumber", false);
+        return texcoords;
+    }
+    constexpr std::array<std::array<std::string_view, 2>, 4> kNames{
+        {{"texture_u", "texture_v"}, {"u", "v"}, {"s", "t"}, {"tx", "ty"}}};
+    for (const auto& [u_name, v_name] : kNames) {
+        const auto u = find_property(vertex, u_name, false);
+        const auto v = find_property(vertex, v_name, false);
+        if (!u || !v) continue;
+        texcoords.uv = {*u, *v};
+        return texcoords;
+    }
+    return std::nullopt;
 }
 
 PlyField find_weight(const PlyElement& vertex, const std::string& name, const std::string& path,
@@ -145,6 +175,23 @@ PlyLayout plan_ply(const PlyHeader& header, const std::filesystem::path& file_pa
         layout.vertex.weight = find_weight(*vertex, weight_property, path, carried);
     }
 
+    std::vector<std::string> carried_of_faces{corners->name};
+    if (!header.texture_files.empty() && !layout.is_strips) {
+        layout.texcoords = find_texcoords(*vertex, *face);
+        if (!layout.texcoords) info.ignored.emplace_back("textures, without coordinates");
+    }
+    if (layout.texcoords) {
+        const PlyTexcoords& found = *layout.texcoords;
+        if (found.is_at_corners) {
+            carried_of_faces.push_back(face->properties[found.list].name);
+            if (found.texture) {
+                carried_of_faces.push_back(face->properties[*found.texture].name);
+            }
+        } else {
+            for (const std::size_t i : found.uv) carried.push_back(vertex->properties[i].name);
+        }
+    }
+
     info.name = path;
     info.format = header.encoding == PlyEncoding::Ascii          ? "PLY, ASCII"
                   : header.encoding == PlyEncoding::LittleEndian ? "PLY, binary little endian"
@@ -166,7 +213,7 @@ PlyLayout plan_ply(const PlyHeader& header, const std::filesystem::path& file_pa
         if (&element == vertex) {
             note_ignored(element, carried, info);
         } else if (&element == face) {
-            note_ignored(element, {corners->name}, info);
+            note_ignored(element, carried_of_faces, info);
         } else {
             info.ignored.push_back("element " + element.name);
         }

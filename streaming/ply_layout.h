@@ -28,17 +28,28 @@ struct PlyVertexFields {
     std::optional<PlyField> weight;  ///< any scalar that was asked for
 };
 
+/// Texture coordinates, by the numbers of properties: at the corners of the faces, or at the
+/// vertices.
+struct PlyTexcoords {
+    bool is_at_corners = false;
+    std::size_t list = 0;                ///< of the face: u and v of each corner
+    std::optional<std::size_t> texture;  ///< of the face: the number of its texture, else 0
+    std::array<std::size_t, 2> uv{};     ///< of the vertex
+};
+
 struct PlyLayout {
     std::size_t vertex_element = 0;  ///< index in PlyHeader::elements
     PlyVertexFields vertex;
     std::size_t face_element = 0;
-    std::size_t corner_property = 0;  ///< the list of vertex ids, in the face element
-    bool is_strips = false;           ///< the lists are triangle strips, -1 begins a new one
+    std::size_t corner_property = 0;        ///< the list of vertex ids, in the face element
+    bool is_strips = false;                 ///< the lists are triangle strips, -1 begins a new one
+    std::optional<PlyTexcoords> texcoords;  ///< only where the header names textures
 };
 
 /// Finds these roles by name, whatever the order, and fills `info` (name, format, counts, what is
 /// there, what is ignored). Names: x y z; nx ny nz; red green blue [alpha], also diffuse_red ... or
-/// r g b [a]; vertex_indices or vertex_index in `face`, or in `tristrips` if there are no faces.
+/// r g b [a]; vertex_indices or vertex_index in `face`, or in `tristrips` if there are no faces;
+/// texcoord and texnumber in `face`; of vertices texture_u, u, s or tx, and texture_v, v, t or ty.
 /// `weight_property` is the name of a scalar of the vertices, or empty.
 /// Throws FormatError saying what is missing; point clouds and Gaussian splats are called by name;
 /// InvalidArgument if there is no such scalar, with the names of those that there are.

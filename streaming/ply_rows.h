@@ -31,7 +31,19 @@ struct RowShape {
 
     static RowShape in_bytes(const PlyElement& element);
     static RowShape in_tokens(const PlyElement& element);
+    /// In the units of the walk.
+    template <typename Stream>
+    static RowShape of(const PlyElement& element);
 };
+
+template <>
+inline RowShape RowShape::of<BinaryStream>(const PlyElement& element) {
+    return in_bytes(element);
+}
+template <>
+inline RowShape RowShape::of<TextStream>(const PlyElement& element) {
+    return in_tokens(element);
+}
 
 /// Which of the row's lists the property `property_index` is.
 std::size_t list_index(const PlyElement& element, std::size_t property_index);
@@ -119,6 +131,55 @@ class ListItems {
     std::uint64_t row_ = 0;
     std::uint64_t n_left_ = 0;
     bool is_in_row_ = false;
+};
+
+/// Some properties of all rows of an element, one row after the other.
+template <typename Stream>
+class RowValues {
+  public:
+    /// `wanted`: numbers of properties; values are asked for by their places in it.
+    RowValues(Stream& stream, const PlyElement& element, const std::vector<std::size_t>& wanted)
+        : stream_(stream),
+          element_(element),
+          shape_(RowShape::of<Stream>(element)),
+          slots_(element.properties.size(), kUnwanted),
+          values_(wanted.size()) {
+        for (std::size_t i = 0; i < wanted.size(); ++i) slots_[wanted[i]] = i;
+        stream_.enter(element.name);
+    }
+
+    /// Longer lists come out empty: so that no count asks for memory.
+    static constexpr std::uint64_t kMostValues = 1 << 16;
+
+    bool next() {
+        if (row_ == element_.count) return false;
+        stream_.set_row(row_++);
+        std::size_t i_list = 0;
+        for (std::size_t i = 0; i < element_.properties.size(); ++i) {
+            const PlyProperty& p = element_.properties[i];
+            const std::uint64_t n =
+                p.is_list ? read_list_count(stream_, shape_.lists[i_list++]) : 1;
+            const bool is_wanted = slots_[i] != kUnwanted && n <= kMostValues;
+            if (slots_[i] != kUnwanted) values_[slots_[i]].clear();
+            if (!is_wanted) stream_.skip(n * Stream::units(p.type));
+            for (std::uint64_t k = 0; is_wanted && k < n; ++k) {
+                values_[slots_[i]].push_back(stream_.read_number(p.type));
+            }
+        }
+        return true;
+    }
+    [[nodiscard]] const std::vector<double>& list(std::size_t i) const { return values_[i]; }
+    [[nodiscard]] double number(std::size_t i) const { return values_[i].front(); }
+
+  private:
+    static constexpr std::size_t kUnwanted = static_cast<std::size_t>(-1);
+
+    Stream& stream_;
+    const PlyElement& element_;
+    RowShape shape_;
+    std::vector<std::size_t> slots_;  // by property
+    std::vector<std::vector<double>> values_;
+    std::uint64_t row_ = 0;
 };
 
 }  // namespace hewer::streaming

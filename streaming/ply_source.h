@@ -38,7 +38,8 @@ namespace hewer::streaming {
 template <typename Encoding>
 class PlySource final : public MeshSource {
   public:
-    PlySource(std::unique_ptr<ooc::InputFile> file, PlyHeader header, const OpenOptions& options)
+    PlySource(std::shared_ptr<const ooc::InputFile> file, PlyHeader header,
+              const OpenOptions& options)
         : file_(std::move(file)),
           header_(std::move(header)),
           layout_(plan_ply(header_, file_->path(), info_, options.weight_property)),
@@ -184,7 +185,7 @@ class PlySource final : public MeshSource {
         }
     }
 
-    std::unique_ptr<ooc::InputFile> file_;
+    std::shared_ptr<const ooc::InputFile> file_;
     PlyHeader header_;
     SourceInfo info_;
     PlyLayout layout_;

@@ -8,7 +8,7 @@ namespace hewer::streaming {
 
 namespace {
 constexpr std::size_t kWindowBytes = 1 << 18;
-constexpr std::size_t kMaxIntegerToken = 64;
+constexpr std::size_t kMaxToken = 64;
 }  // namespace
 
 void PlyStream::fail_at(const std::string& place, const std::string& what) const {
@@ -30,8 +30,8 @@ void BinaryStream::skip(std::uint64_t bytes) {
     offset_ += bytes;
 }
 
-std::int64_t BinaryStream::read_integer(ScalarType type) {
-    const std::size_t size = byte_size(type);
+/// The next `size` bytes, until the next call.
+const unsigned char* BinaryStream::take(std::size_t size) {
     if (offset_ < window_begin_ || offset_ + size > window_begin_ + window_size_) {
         window_begin_ = offset_;
         window_size_ = read(offset_, window_.room_for(kWindowBytes), kWindowBytes);
@@ -39,7 +39,19 @@ std::int64_t BinaryStream::read_integer(ScalarType type) {
     }
     const unsigned char* p = window_.data() + (offset_ - window_begin_);
     offset_ += size;
-    return load_integer(type, swap_, p);
+    return p;
+}
+
+std::int64_t BinaryStream::read_integer(ScalarType type) {
+    return load_integer(type, swap_, take(byte_size(type)));
+}
+
+double BinaryStream::read_number(ScalarType type) {
+    const unsigned char* const p = take(byte_size(type));
+    return with_scalar_type(type, [&](auto tag) {
+        using T = typename decltype(tag)::Type;
+        return static_cast<double>(swap_ ? load<T, true>(p) : load<T, false>(p));
+    });
 }
 
 bool TextStream::refill() {
@@ -66,20 +78,33 @@ void TextStream::skip(std::uint64_t tokens) {
     }
 }
 
-std::int64_t TextStream::read_integer(ScalarType /*type*/) {
+/// The next token, with a blank behind it, until the next call.
+const unsigned char* TextStream::read_token() {
     skip_blanks();
-    std::string token;
+    token_.clear();
     for (int c = peek(); c >= 0 && !is_blank(static_cast<unsigned char>(c)); c = peek()) {
-        if (token.size() < kMaxIntegerToken) token.push_back(static_cast<char>(c));
+        if (token_.size() < kMaxToken) token_.push_back(static_cast<char>(c));
         ++position_;
     }
-    if (token.empty()) fail("truncated: the file ends here");
-    token.push_back('\n');
+    if (token_.empty()) fail("truncated: the file ends here");
+    token_.push_back('\n');
+    return reinterpret_cast<const unsigned char*>(token_.data());
+}
+
+void TextStream::fail_token(const char* wanted) {
+    token_.pop_back();
+    fail("'" + token_ + "' is not " + wanted);
+}
+
+std::int64_t TextStream::read_integer(ScalarType /*type*/) {
     std::int64_t value = 0;
-    if (parse_integer(reinterpret_cast<const unsigned char*>(token.data()), value) == nullptr) {
-        token.pop_back();
-        fail("'" + token + "' is not a whole number");
-    }
+    if (parse_integer(read_token(), value) == nullptr) fail_token("a whole number");
+    return value;
+}
+
+double TextStream::read_number(ScalarType /*type*/) {
+    double value = 0;
+    if (parse_double(read_token(), value) == nullptr) fail_token("a number");
     return value;
 }
 

@@ -47,9 +47,12 @@ class BinaryStream : public PlyStream {
                  std::uint64_t offset, bool swap)
         : PlyStream(file, n_bytes_read), offset_(offset), swap_(swap) {}
 
+    static std::size_t units(ScalarType type) { return byte_size(type); }
     /// Throws FormatError if the file ends before that.
     void skip(std::uint64_t bytes);
     std::int64_t read_integer(ScalarType type);
+    /// Of any type.
+    double read_number(ScalarType type);
 
     [[nodiscard]] std::uint64_t offset() const { return offset_; }
     [[nodiscard]] std::uint64_t remaining_bytes() const { return file_->size() - offset_; }
@@ -57,6 +60,8 @@ class BinaryStream : public PlyStream {
     [[noreturn]] void fail(const std::string& what) const { fail_at(place(), what); }
 
   private:
+    const unsigned char* take(std::size_t size);
+
     std::uint64_t offset_;
     bool swap_;
     ByteBuffer window_;
@@ -72,8 +77,10 @@ class TextStream : public PlyStream {
                std::uint64_t offset, std::uint64_t line)
         : PlyStream(file, n_bytes_read), window_begin_(offset), line_(line) {}
 
+    static std::size_t units(ScalarType /*type*/) { return 1; }
     void skip(std::uint64_t tokens);
     std::int64_t read_integer(ScalarType type);
+    double read_number(ScalarType type);
 
     [[nodiscard]] std::uint64_t offset() const { return window_begin_ + position_; }
     [[nodiscard]] std::uint64_t line() const { return line_; }
@@ -86,9 +93,12 @@ class TextStream : public PlyStream {
     int peek() { return position_ < window_size_ || refill() ? window_.data()[position_] : -1; }
     bool refill();
     void skip_blanks();
+    const unsigned char* read_token();
+    [[noreturn]] void fail_token(const char* wanted);
 
     std::uint64_t window_begin_;
     std::uint64_t line_;
+    std::string token_;
     ByteBuffer window_;
     std::size_t window_size_ = 0;
     std::size_t position_ = 0;

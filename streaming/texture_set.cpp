@@ -30,6 +30,17 @@ std::optional<std::size_t> TextureSet::add(const std::string& name,
     return textures_.size() - 1;
 }
 
+std::optional<std::size_t> TextureSet::add_file(const std::filesystem::path& path, bool is_strict) {
+    return add(
+        path.string(),
+        [&] {
+            auto file = std::make_shared<ooc::InputFile>(path);
+            const std::uint64_t size = file->size();
+            return FileRange{std::move(file), 0, size};
+        },
+        is_strict);
+}
+
 void TextureSet::miss(const std::string& what, const std::string& why, bool is_strict) {
     if (is_strict) throw FormatError(what + ": " + why + "; strict mode refuses that");
     context_.warn(what + ": " + why + "; its colour is left out");

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -26,6 +27,9 @@ class TextureSet {
     /// @param name  for messages and SourceInfo::textures. @param find  may throw IoError.
     std::optional<std::size_t> add(const std::string& name, const std::function<FileRange()>& find,
                                    bool is_strict);
+
+    /// The same of an image in a file of its own.
+    std::optional<std::size_t> add_file(const std::filesystem::path& path, bool is_strict);
 
     [[nodiscard]] const Texture& operator[](std::size_t i) const { return textures_[i]; }
     [[nodiscard]] const ooc::Spool<TextureTile>& tiles() const { return tiles_; }

@@ -158,6 +158,14 @@ VertexColor mean(const ColorSum& sum) {
 
 }  // namespace
 
+Rgba16 to_rgba(const MeanColor& color) {
+    Rgba16 result{65535, 65535, 65535, 65535};
+    for (std::size_t k = 0; k < 3; ++k) {
+        result[k] = static_cast<std::uint16_t>(std::lround(color[k] * 65535.0F));
+    }
+    return result;
+}
+
 void paint_vertices(ooc::Context& context, const PaintedMesh& mesh, const TextureSet& textures,
                     const std::function<void(std::span<const VertexColor>)>& take) {
     const Shares shares(context, mesh, textures);

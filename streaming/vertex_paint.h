@@ -48,6 +48,9 @@ struct PaintedMesh {
     std::vector<Paint> paints;
 };
 
+/// Opaque, 16 bits.
+Rgba16 to_rgba(const MeanColor& color);
+
 /// Nothing: no painted triangle has the vertex.
 using VertexColor = std::optional<MeanColor>;
 

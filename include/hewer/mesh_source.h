@@ -132,7 +132,7 @@ struct OpenOptions {
     bool strict = false;
     /// A name of input_formats(). Empty: by the content.
     std::string format{};
-    /// Scalar property of the vertices that is their weight; PLY only. Empty: none.
+    /// Scalar property of the vertices that is their weight; PLY, and glTF (_NAME). Empty: none.
     std::string weight_property{};
     /// As in SimplifyOptions.
     std::uint64_t memory_bytes = 0;

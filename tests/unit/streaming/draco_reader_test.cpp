@@ -8,6 +8,7 @@
 #include <random>
 
 #include "hewer/error.h"
+#include "hewer/info.h"
 #include "hewer/mesh_source.h"
 #include "tests/support/glb_builder.h"
 #include "tests/support/read_back.h"
@@ -23,7 +24,8 @@ struct Encoded {
 };
 
 /// A bent grid of n x n squares, with colours; 14 bits of position, or all.
-Encoded encode_grid(int n, bool is_sequential, bool has_colors, bool is_exact = false) {
+Encoded encode_grid(int n, bool is_sequential, bool has_colors, bool is_exact = false,
+                    bool has_metadata = false) {
     draco::TriangleSoupMeshBuilder builder;
     builder.Start(2 * n * n);
     const int positions =
@@ -60,6 +62,17 @@ Encoded encode_grid(int n, bool is_sequential, bool has_colors, bool is_exact = 
         }
     }
     const std::unique_ptr<draco::Mesh> mesh = builder.Finalize();
+    if (has_metadata) {
+        auto metadata = std::make_unique<draco::GeometryMetadata>();
+        metadata->AddEntryString("name", "grid");
+        auto nested = std::make_unique<draco::Metadata>();
+        nested->AddEntryInt("seven", 7);
+        metadata->AddSubMetadata("more", std::move(nested));
+        auto of_attribute = std::make_unique<draco::AttributeMetadata>();
+        of_attribute->AddEntryString("name", std::string(300, 'x'));
+        mesh->AddMetadata(std::move(metadata));
+        mesh->AddAttributeMetadata(positions, std::move(of_attribute));
+    }
     draco::Encoder encoder;
     encoder.SetEncodingMethod(is_sequential ? draco::MESH_SEQUENTIAL_ENCODING
                                             : draco::MESH_EDGEBREAKER_ENCODING);
@@ -156,6 +169,30 @@ TEST(DracoReader, ChecksTheLimitBeforeItDecodes) {
         EXPECT_NO_THROW((void)open_mesh(path, {.memory_bytes = mib << 20}));
     }
     EXPECT_THROW((void)open_mesh(path, {.max_temp_bytes = 1 << 20}), OutOfDiskBudget);
+}
+
+TEST(DracoReader, TellsTheCountsOfTheHeaderBehindAnyMetadata) {
+    const test::TempDir dir;
+    for (const bool is_sequential : {false, true}) {
+        for (const bool has_metadata : {false, true}) {
+            const auto path =
+                dir.write("a.drc", encode_grid(30, is_sequential, true, false, has_metadata).bytes);
+            const InputReport report = info(path, {.whole_below = 0});
+            EXPECT_EQ(report.basis, InputReport::Basis::Header);
+            EXPECT_EQ(report.vertices, 31U * 31U);
+            EXPECT_EQ(report.faces, 1800U);
+        }
+    }
+}
+
+TEST(DracoReader, ChecksTheLimitForOldVersionsToo) {
+    // Versions below 2.0 have counts of four bytes: 2^24 vertices and faces here.
+    const test::TempDir dir;
+    std::string file = "DRACO";
+    file += std::string("\x01\x01\x01\x01\x00\x00\x00", 7);
+    for (int i = 0; i < 6; ++i) file += std::string("\x00\x00\x00\x01", 4);
+    EXPECT_THROW((void)open_mesh(dir.write("a.drc", file), {.memory_bytes = 64 << 20}),
+                 OutOfMemoryBudget);
 }
 
 TEST(DracoReader, SurvivesMutatedFiles) {

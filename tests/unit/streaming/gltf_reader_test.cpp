@@ -241,40 +241,94 @@ TEST_F(GltfReader, PutsSparseAccessorsTogether) {
     }
 }
 
-TEST_F(GltfReader, DecodesMeshoptCompressedViews) {
-    Square square;
-    std::vector<unsigned char> packed(meshopt_encodeVertexBufferBound(4, 12));
-    packed.resize(
-        meshopt_encodeVertexBuffer(packed.data(), packed.size(), square_corners.data(), 4, 12));
-    const std::vector<std::uint32_t> ids{0, 1, 2, 2, 1, 3};
-    std::vector<unsigned char> faces(meshopt_encodeIndexBufferBound(6, 4));
-    faces.resize(meshopt_encodeIndexBuffer(faces.data(), faces.size(), ids.data(), 6));
-    Json& views = square.glb.document["bufferViews"];
-    const auto compress = [&](std::size_t view, const std::vector<unsigned char>& bytes,
-                              const char* mode, std::uint64_t stride, std::uint64_t count) {
-        const auto at = square.glb.add_view(std::string(bytes.begin(), bytes.end()));
-        views[view]["extensions"]["EXT_meshopt_compression"] = {
-            {"buffer", 0},
-            {"byteOffset", views[at]["byteOffset"]},
-            {"byteLength", bytes.size()},
-            {"byteStride", stride},
-            {"count", count},
-            {"mode", mode}};
+/// The square with its views compressed.
+struct PackedSquare : Square {
+    explicit PackedSquare(const std::string& extension) {
+        std::vector<unsigned char> packed(meshopt_encodeVertexBufferBound(4, 12));
+        packed.resize(
+            meshopt_encodeVertexBuffer(packed.data(), packed.size(), square_corners.data(), 4, 12));
+        const std::vector<std::uint32_t> ids{0, 1, 2, 2, 1, 3};
+        std::vector<unsigned char> faces(meshopt_encodeIndexBufferBound(6, 4));
+        faces.resize(meshopt_encodeIndexBuffer(faces.data(), faces.size(), ids.data(), 6));
+        compress(extension, 0, packed, "ATTRIBUTES", 12, 4);
+        compress(extension, 1, faces, "TRIANGLES", 2, 6);
+        glb.document["extensionsRequired"] = {extension};
+    }
+    void compress(const std::string& extension, std::size_t view,
+                  const std::vector<unsigned char>& bytes, const char* mode, std::uint64_t stride,
+                  std::uint64_t count) {
+        const auto at = glb.add_view(std::string(bytes.begin(), bytes.end()));
+        Json& views = glb.document["bufferViews"];
+        views[view]["extensions"][extension] = {{"buffer", 0},
+                                                {"byteOffset", views[at]["byteOffset"]},
+                                                {"byteLength", bytes.size()},
+                                                {"byteStride", stride},
+                                                {"count", count},
+                                                {"mode", mode}};
         // What is not compressed is not there.
         views[view]["byteOffset"] = 1000000;
-    };
-    compress(0, packed, "ATTRIBUTES", 12, 4);
-    compress(1, faces, "TRIANGLES", 2, 6);
-    square.glb.document["extensionsRequired"] = {"EXT_meshopt_compression"};
-    const test::ReadBack back = read(square.glb.glb());
-    EXPECT_EQ(back.mesh.positions[3], (Vec3{1, 1, 0}));
-    EXPECT_EQ(back.mesh.triangles.size(), 2U);
-    EXPECT_GT(source_->held_temp_bytes(), 0U);
+    }
+};
 
-    views[1]["extensions"]["EXT_meshopt_compression"]["byteLength"] = 3;
-    expect_refused(square.glb.glb(), "compressed buffer view 1 is damaged");
-    views[1]["extensions"]["EXT_meshopt_compression"]["count"] = 1ULL << 40;
-    EXPECT_THROW((void)open_mesh(dir_.write("m", square.glb.glb())), OutOfMemoryBudget);
+TEST_F(GltfReader, DecodesMeshoptCompressedViews) {
+    for (const std::string extension : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
+        PackedSquare square(extension);
+        const test::ReadBack back = read(square.glb.glb());
+        EXPECT_EQ(back.mesh.positions[3], (Vec3{1, 1, 0}));
+        EXPECT_EQ(back.mesh.triangles.size(), 2U);
+        EXPECT_GT(source_->held_temp_bytes(), 0U);
+
+        Json& packed = square.glb.document["bufferViews"][1]["extensions"][extension];
+        packed["byteLength"] = 3;
+        expect_refused(square.glb.glb(), "compressed buffer view 1 is damaged");
+        packed["count"] = 1ULL << 40;
+        EXPECT_THROW((void)open_mesh(dir_.write("m", square.glb.glb())), OutOfMemoryBudget);
+    }
+}
+
+TEST_F(GltfReader, NamesWhatItDoesNotKnowOfMeshoptCompression) {
+    const std::string extension = "KHR_meshopt_compression";
+    PackedSquare square(extension);
+    Json& packed = square.glb.document["bufferViews"][0]["extensions"][extension];
+    packed["filter"] = "COLOR";
+    expect_refused(square.glb.glb(), "filter COLOR");
+    packed.erase("filter");
+    // A stream of another version, of which no more is read than its first byte.
+    const auto view = square.glb.add_view("\xa1" + std::string(63, '\0'));
+    packed["byteOffset"] = square.glb.document["bufferViews"][view]["byteOffset"];
+    packed["byteLength"] = 64;
+    if (MESHOPTIMIZER_VERSION < 230) expect_refused(square.glb.glb(), "version 1");
+}
+
+TEST_F(GltfReader, ReadsAttributesWithNamesOfTheirOwnAsWeights) {
+    Square square;
+    square.primitive()["attributes"]["_QUALITY"] = square.glb.add_array(
+        std::vector<std::uint8_t>{0, 51, 255, 255}, 1, 5121, {{"normalized", true}});
+    square.primitive()["attributes"]["_OTHER"] =
+        square.glb.add_array(std::vector<float>{1, 2, 3, 4}, 1, 5126);
+    const auto path = dir_.write("w.glb", square.glb.glb());
+    const auto weights = [&](const std::string& name) {
+        source_ = open_mesh(path, {.weight_property = name});
+        source_->begin_vertices();
+        VertexBatch batch;
+        EXPECT_TRUE(source_->next_vertices(batch));
+        return batch.weights;
+    };
+    EXPECT_EQ(weights("_OTHER"), (std::vector<float>{1, 2, 3, 4}));
+    EXPECT_EQ(weights("_QUALITY"), (std::vector<float>{0, 0.2F, 1, 1}));
+    EXPECT_TRUE(source_->info().has_weights);
+    EXPECT_EQ(source_->info().ignored, std::vector<std::string>{"_OTHER"});
+    try {
+        (void)weights("_CONFIDENCE");
+        FAIL();
+    } catch (const InvalidArgument& error) {
+        const std::string what = error.what();
+        EXPECT_NE(what.find("there are _OTHER, _QUALITY"), std::string::npos) << what;
+    }
+    // Of three numbers, or too few.
+    square.primitive()["attributes"]["_QUALITY"] = square.primitive()["attributes"]["POSITION"];
+    EXPECT_NE(refusal(square.glb.glb(), {.weight_property = "_QUALITY"}).find("fit together"),
+              std::string::npos);
 }
 
 TEST_F(GltfReader, ReadsBuffersBesideTheDocumentAndInsideIt) {

@@ -293,7 +293,7 @@ TEST(WeightProperty, OfAnotherFormatIsRefused) {
     const test::TempDir dir;
     const auto path = dir.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     const std::string why = refusal(path, {.weight_property = "quality"});
-    EXPECT_NE(why.find("needs a PLY"), std::string::npos) << why;
+    EXPECT_NE(why.find("needs a PLY or glTF"), std::string::npos) << why;
 }
 
 }  // namespace

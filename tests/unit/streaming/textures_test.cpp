@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Textures of OBJ and glTF as colours of the vertices.
+/// Textures of OBJ, PLY and glTF as colours of the vertices.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,6 +13,7 @@
 #include "hewer/mesh_source.h"
 #include "tests/support/glb_builder.h"
 #include "tests/support/image_files.h"
+#include "tests/support/ply_builder.h"
 #include "tests/support/read_back.h"
 #include "tests/support/temp_dir.h"
 
@@ -227,6 +228,159 @@ TEST_F(Textures, ComeOutTheSameForAnyMemoryAndThreads) {
                 read_obj(obj.str(), mtl, {.memory_bytes = mib << 20, .n_threads = n_threads});
             EXPECT_EQ(mesh.colors, expected.colors) << mib << " MiB, " << n_threads << " threads";
         }
+    }
+}
+
+/// A square of two triangles and a quad beside it, in PLY.
+class PlyTextures : public Textures, public testing::WithParamInterface<const char*> {
+  protected:
+    void SetUp() override { (void)dir_.write("t 1.png", png_of(quarters())); }
+
+    [[nodiscard]] std::string number(const std::string& type, double value) const {
+        return test::ply_value(GetParam(), type, value) + (is_text() ? " " : "");
+    }
+    [[nodiscard]] bool is_text() const { return std::string(GetParam()) == "ascii"; }
+    [[nodiscard]] std::string end() const { return is_text() ? "\n" : ""; }
+
+    /// `columns` of the vertices behind x, y and z; `lists` of the faces behind their corners.
+    [[nodiscard]] std::string header(const std::string& columns, const std::string& lists) const {
+        return std::string("ply\nformat ") + GetParam() +
+               " 1.0\ncomment TextureFile t 1.png\ncomment TextureFile u.jpg\n"
+               "element vertex 6\nproperty float x\nproperty double y\nproperty float z\n" +
+               columns + "element face 3\nproperty list uchar int vertex_indices\n" + lists +
+               "end_header\n";
+    }
+    template <typename More>
+    [[nodiscard]] std::string vertices(const More& more) const {
+        std::string text;
+        for (const auto& [x, y] :
+             {std::pair{0., 0.}, {1., 0.}, {1., 1.}, {0., 1.}, {2., 0.}, {2., 1.}}) {
+            text +=
+                number("float", x) + number("double", y) + number("float", 0) + more(x, y) + end();
+        }
+        return text;
+    }
+    template <typename More>
+    [[nodiscard]] std::string faces(const More& more) const {
+        std::string text;
+        for (const auto& face : std::vector<std::vector<int>>{{0, 1, 2}, {0, 2, 3}, {1, 4, 5, 2}}) {
+            text += number("uchar", static_cast<double>(face.size()));
+            for (const int v : face) text += number("int", v);
+            text += more(face) + end();
+        }
+        return text;
+    }
+    [[nodiscard]] std::string coordinates(const std::vector<double>& uv) const {
+        std::string text = number("uchar", static_cast<double>(uv.size()));
+        for (const double x : uv) text += number("float", x);
+        return text;
+    }
+    Mesh read_ply(const std::string& ply, const OpenOptions& options = {}) {
+        return read(dir_.write("m.ply", ply), options);
+    }
+};
+INSTANTIATE_TEST_SUITE_P(Encodings, PlyTextures,
+                         testing::Values("ascii", "binary_little_endian", "binary_big_endian"));
+
+constexpr const char* kCornerLists = "property list uchar float texcoord\nproperty int texnumber\n";
+
+TEST_P(PlyTextures, AtCornersColourTheVerticesWithVUpwards) {
+    (void)dir_.write("u.jpg", jpeg_of({16, 16, [](auto, auto) { return kBlue; }}));
+    const Mesh mesh =
+        read_ply(header("", kCornerLists) + vertices([](auto, auto) { return ""; }) +
+                 faces([&](const std::vector<int>& face) {
+                     if (face.size() == 4) {
+                         return coordinates({.5, .5, .5, .5, .5, .5, .5, .5}) + number("int", 1);
+                     }
+                     const bool is_first = face[1] == 1;
+                     return coordinates(is_first ? std::vector<double>{0, 0, 1, 0, 1, 1}
+                                                 : std::vector<double>{0, 0, 1, 1, 0, 1}) +
+                            number("int", 0);
+                 }));
+    ASSERT_EQ(mesh.colors.size(), 6U);
+    expect_color(mesh.colors[3], kRed);
+    expect_color(mesh.colors[4], kBlue);
+    expect_color(mesh.colors[5], kBlue);
+    // Half a triangle of yellow, half of the quad's two blue ones.
+    EXPECT_GT(mesh.colors[1][2], 20000U);
+    EXPECT_GT(mesh.colors[1][0], 20000U);
+    EXPECT_TRUE(info_.ignored.empty());
+    ASSERT_EQ(info_.textures.size(), 2U);
+    EXPECT_EQ(info_.textures[0].name, (dir_.path() / "t 1.png").string());
+    EXPECT_EQ(info_.textures[1].format, "JPEG");
+}
+
+TEST_P(PlyTextures, AtVerticesColourThem) {
+    for (const std::string u_name : {"s", "texture_u"}) {
+        const std::string v_name = u_name == "s" ? "t" : "texture_v";
+        const Mesh mesh = read_ply(
+            header("property float " + u_name + "\nproperty float " + v_name + "\n", "") +
+            vertices([&](double x, double y) {
+                return number("float", x < 1.5 ? .1 + .8 * x : .9) + number("float", .1 + .8 * y);
+            }) +
+            faces([](const auto&) { return ""; }));
+        ASSERT_EQ(mesh.colors.size(), 6U);
+        expect_color(mesh.colors[3], kRed);
+        expect_color(mesh.colors[4], kYellow, 40);
+        ASSERT_EQ(info_.textures.size(), 1U);
+        ASSERT_EQ(warnings_.size(), 1U);
+        EXPECT_NE(warnings_[0].find("u.jpg"), std::string::npos);
+        expect_ignored("u.jpg");
+    }
+}
+
+TEST_P(PlyTextures, LeaveTheColoursOfVerticesWhereTheyGiveNone) {
+    const std::string colors =
+        "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
+    const auto green = [&](auto, auto) {
+        return number("uchar", 0) + number("uchar", 255) + number("uchar", 0) +
+               number("uchar", 128);
+    };
+    // A face without coordinates, one with a texture that is not there, one with two numbers less.
+    const Mesh mesh = read_ply(
+        header(colors, kCornerLists) + vertices(green) + faces([&](const std::vector<int>& face) {
+            if (face.size() == 4) return coordinates({0, 0, 1, 0}) + number("int", 0);
+            return face[1] == 1 ? coordinates({}) + number("int", -1)
+                                : coordinates({.1, .9, .1, .9, .1, .9}) + number("int", 0);
+        }));
+    ASSERT_EQ(mesh.colors.size(), 6U);
+    expect_color(mesh.colors[1], kGreen);
+    expect_color(mesh.colors[5], kGreen);
+    expect_color(mesh.colors[3], kRed);
+    for (const Rgba16& c : mesh.colors) EXPECT_EQ(c[3], 128 * 257);
+    EXPECT_TRUE(info_.has_alpha);
+}
+
+TEST_P(PlyTextures, ThatAreMissingAreNamedAndLeftOut) {
+    std::filesystem::remove(dir_.path() / "t 1.png");
+    const std::string ply =
+        header("", kCornerLists) + vertices([](auto, auto) { return ""; }) +
+        faces([&](const auto& face) {
+            return coordinates(std::vector<double>(2 * face.size(), .5)) + number("int", 0);
+        });
+    const Mesh mesh = read_ply(ply);
+    EXPECT_EQ(mesh.triangles.size(), 4U);
+    EXPECT_TRUE(mesh.colors.empty());
+    EXPECT_FALSE(info_.has_colors);
+    EXPECT_EQ(warnings_.size(), 2U);
+    expect_ignored("t 1.png");
+    expect_ignored("texture coordinates");
+    EXPECT_THROW(read_ply(ply, {.strict = true}), FormatError);
+    // Names of textures alone.
+    (void)read_ply(header("", "") + vertices([](auto, auto) { return ""; }) +
+                   faces([](const auto&) { return ""; }));
+    EXPECT_TRUE(warnings_.empty());
+    expect_ignored("textures, without coordinates");
+}
+
+TEST_P(PlyTextures, OfACutFileAreRefused) {
+    const std::string ply =
+        header("", kCornerLists) + vertices([](auto, auto) { return ""; }) +
+        faces([&](const auto& face) {
+            return coordinates(std::vector<double>(2 * face.size(), .5)) + number("int", 0);
+        });
+    for (std::size_t cut = 5; cut < 200; cut += 13) {
+        EXPECT_THROW(read_ply(ply.substr(0, ply.size() - cut)), FormatError) << cut;
     }
 }
 
