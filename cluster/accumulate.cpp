@@ -9,6 +9,7 @@
 #include <mutex>
 #include <optional>
 
+#include "cluster/hash.h"
 #include "ooc/parallel.h"
 #include "ooc/vector_clones.h"
 
@@ -176,10 +177,39 @@ class Accumulator {
     std::array<Pending, kPending> pending_;
 };
 
+/// One worker's memory of the cells that it has met last, in front of the table that is too large
+/// for a core's cache: vertices that follow each other are in cells near each other.
+class RecentCells {
+  public:
+    explicit RecentCells(CellTable& table) : table_(table) {}
+
+    /// Under an Admission, after begin().
+    std::uint32_t find_or_insert(CellKey key) {
+        Recent& recent = recent_[scattered(key) % kRecent];
+        if (recent.key != key) recent = {key, table_.find_or_insert(key)};
+        return recent.slot;
+    }
+    /// At the beginning of each Admission: slots of another epoch mean nothing.
+    void begin() {
+        if (std::exchange(epoch_, table_.epoch()) != table_.epoch()) recent_.fill({});
+    }
+
+  private:
+    static constexpr std::size_t kRecent = 512;
+    struct Recent {
+        CellKey key = ~CellKey{0};  // no key: keys have 63 bits
+        std::uint32_t slot = 0;
+    };
+    CellTable& table_;
+    std::uint64_t epoch_ = 0;
+    std::array<Recent, kRecent> recent_{};
+};
+
 /// One worker's way from a batch of triangles to corners with cells.
 class CornerFinder {
   public:
-    CornerFinder(const AccumulateInput& input, CellTable& table) : input_(input), table_(table) {
+    CornerFinder(const AccumulateInput& input, CellTable& table)
+        : input_(input), table_(table), recent_(table) {
         if (input.vertices != nullptr) view_.emplace(*input.vertices);
     }
 
@@ -197,6 +227,7 @@ class CornerFinder {
         for (std::size_t k = 0; k < batch.corners.size();) {
             const std::size_t end = std::min<std::size_t>(batch.corners.size(), k + n_admitted);
             const CellTable::Admission admission(table_, 3 * (end - k));
+            recent_.begin();
             for (; k < end && !view_->is_full(); ++k) {
                 bool is_usable = true;
                 for (std::size_t c = 0; c < 3; ++c) {
@@ -215,6 +246,7 @@ class CornerFinder {
         for (std::size_t i = 0; i < batch.points.size(); i += n_admitted) {
             const std::size_t end = std::min<std::size_t>(batch.points.size(), i + n_admitted);
             const CellTable::Admission admission(table_, 3 * (end - i));
+            recent_.begin();
             for (std::size_t k = i; k < end; ++k) {
                 for (std::size_t c = 0; c < 3; ++c) t[c] = locate(batch.points[k][c]);
                 accumulator.add(t);
@@ -249,11 +281,12 @@ class CornerFinder {
         return {point, cell_of(point)};
     }
     std::uint32_t cell_of(const LatticePoint& point) {
-        return table_.find_or_insert(input_.grid.key(point));
+        return recent_.find_or_insert(input_.grid.key(point));
     }
 
     const AccumulateInput& input_;
     CellTable& table_;
+    RecentCells recent_;
     std::optional<VertexPages::View> view_;
     std::uint64_t n_seen_ = 0;  // triangles, by this worker
 };

@@ -45,26 +45,38 @@ CellCounts count_cells(ooc::Context& context, CellTable& table) {
     return {n_touched, n_border};
 }
 
+/// The cells that a triangle has a corner in, in Morton order.
+ooc::Array<CodedSlot> order_of_cells(ooc::Context& context, CellTable& table,
+                                     std::uint64_t n_cells) {
+    ooc::Array<CodedSlot> order(context.budget(), "cell order", n_cells);
+    std::atomic<std::uint64_t> n{0};
+    const bool is_any_unused = n_cells != table.size();
+    context.workers().for_ranges(
+        table.index_size(), kPiece, [&](std::uint64_t begin, std::uint64_t end) {
+            std::vector<CodedSlot> found;
+            found.reserve(end - begin);
+            table.for_each_in(begin, end, [&](CellKey key, std::uint32_t slot) {
+                // Most often no vertex is unused: no need to look.
+                if (is_any_unused && table.sums(slot).is_touched == 0) return;
+                found.push_back({morton(key), slot, 0});
+            });
+            std::copy(found.begin(), found.end(), order.begin() + n.fetch_add(found.size()));
+        });
+    ooc::Array<CodedSlot> scratch(context.budget(), "cell order", n_cells);
+    ooc::radix_sort(context.workers(), order, scratch, [](const CodedSlot& s) { return s.code; });
+    return order;
+}
+
 /// The triples by ids, sorted into the blocks of their median corners.
 void append_faces(ooc::Context& context, const ooc::Array<std::uint32_t>& rank,
                   std::vector<TripleList>& triples, CellBlocks& blocks) {
-    std::uint64_t n = 0;
-    for (const TripleList& list : triples) n += list.size();
-    ooc::Array<CellTriple> faces(context.budget(), "surviving triangles", n);
-    std::uint64_t at = 0;
+    std::vector<std::pair<ooc::Array<CellTriple>, std::uint64_t>> pieces;
     for (TripleList& list : triples) {
         for (;;) {
-            const auto [piece, used] = list.pop_piece();
-            if (used == 0) break;
-            const std::uint64_t first = at;
-            const auto& source = piece;
-            context.workers().for_ranges(used, kPiece, [&](std::uint64_t b, std::uint64_t e) {
-                for (std::uint64_t i = b; i < e; ++i) {
-                    for (std::size_t k = 0; k < 3; ++k) faces[first + i][k] = rank[source[i][k]];
-                }
-            });
-            at += used;
+            pieces.push_back(list.pop_piece());
+            if (pieces.back().second == 0) break;
         }
+        pieces.pop_back();
     }
     // Cells are cut into blocks, so that the block of a cell is found in a small table.
     const std::size_t n_blocks = blocks.n_blocks();
@@ -73,13 +85,43 @@ void append_faces(ooc::Context& context, const ooc::Array<std::uint32_t>& rank,
         std::fill(block_of.begin() + blocks.blocks[b].first_cell,
                   block_of.begin() + blocks.blocks[b + 1].first_cell, b);
     }
-    std::vector<std::uint64_t> start(n_blocks + 1);
-    for (const CellTriple& face : faces) ++start[block_of[median_corner(face)] + 1];
-    for (std::size_t b = 0; b < n_blocks; ++b) start[b + 1] += start[b];
-    for (std::size_t b = 0; b <= n_blocks; ++b) blocks.blocks[b].first_face = start[b];
+    // A few groups of pieces for each thread, with the number of triples that each has in each
+    // block, and then where these go.
+    const std::uint64_t n_groups =
+        std::min<std::uint64_t>(pieces.size(), 4 * std::uint64_t{context.n_threads()});
+    std::vector<std::vector<std::uint64_t>> starts(n_groups, std::vector<std::uint64_t>(n_blocks));
+    const auto for_each_piece = [&](const auto& body) {
+        context.workers().for_ranges(n_groups, 1, [&](std::uint64_t begin, std::uint64_t end) {
+            for (std::uint64_t g = begin; g < end; ++g) {
+                const std::uint64_t last = (g + 1) * pieces.size() / n_groups;
+                for (std::uint64_t i = g * pieces.size() / n_groups; i < last; ++i) {
+                    auto& [piece, used] = pieces[i];
+                    body(piece, used, starts[g]);
+                }
+            }
+        });
+    };
+    using Piece = ooc::Array<CellTriple>;
+    for_each_piece([&](Piece& piece, std::uint64_t used, std::vector<std::uint64_t>& counts) {
+        for (std::uint64_t i = 0; i < used; ++i) {
+            for (std::uint32_t& corner : piece[i]) corner = rank[corner];
+            ++counts[block_of[median_corner(piece[i])]];
+        }
+    });
+    std::uint64_t n = 0;
+    for (std::size_t b = 0; b < n_blocks; ++b) {
+        blocks.blocks[b].first_face = n;
+        for (auto& start : starts) n += std::exchange(start[b], n);
+    }
+    blocks.blocks[n_blocks].first_face = n;
     ooc::Array<CellTriple> sorted(context.budget(), "triangles by block", n);
-    for (const CellTriple& face : faces) sorted[start[block_of[median_corner(face)]]++] = face;
-    faces.release();
+    for_each_piece([&](Piece& piece, std::uint64_t used, std::vector<std::uint64_t>& start) {
+        for (std::uint64_t i = 0; i < used; ++i) {
+            sorted[start[block_of[median_corner(piece[i])]]++] = piece[i];
+        }
+        piece.release();
+    });
+    pieces.clear();
     blocks.faces.append(sorted.span());
 }
 
@@ -90,38 +132,30 @@ CellBlocks build_cell_blocks(ooc::Context& context, const Lattice& lattice, cons
                              double border_weight, std::uint64_t most_cells) {
     CellBlocks blocks = make_cell_blocks(context, lattice, grid, table.extras());
     const FixedPoint fixed(grid.resolution());
-    const std::uint64_t n_slots = table.size();
     const CellCounts counts = count_cells(context, table);
     const std::uint64_t n_cells = counts.touched;
     blocks.n_border_cells = counts.border;
     blocks.is_consistently_wound = !is_border_implausible(blocks.n_border_cells, n_cells);
     if (!blocks.is_consistently_wound) border_weight = 0;
 
-    ooc::Array<CodedSlot> order(context.budget(), "cell order", n_cells);
-    std::uint64_t i = 0;
-    table.for_each([&](CellKey key, std::uint32_t slot) {
-        // Most often no vertex is unused: no need to look.
-        if (n_cells != n_slots && table.sums(slot).is_touched == 0) return;
-        order[i++] = {morton(key), slot, 0};
-    });
+    ooc::Array<CodedSlot> order = order_of_cells(context, table, n_cells);
     table.release_index();
     {
-        ooc::Array<CodedSlot> scratch(context.budget(), "cell order", n_cells);
-        ooc::radix_sort(order, scratch, [](const CodedSlot& s) { return s.code; });
-    }
-    {
         BlockCutter cutter(blocks, most_cells);
-        ooc::Array<std::uint32_t> rank(context.budget(), "cell ranks", n_slots);
-        std::vector<std::uint64_t> codes;
-        for (std::uint64_t k = 0; k < n_cells; ++k) {
-            rank[order[k].slot] = static_cast<std::uint32_t>(k);
-            codes.push_back(order[k].code);
-            if (codes.size() == kPiece) {
-                cutter.add(codes);
-                codes.clear();
+        ooc::Array<std::uint32_t> rank(context.budget(), "cell ranks", table.size());
+        context.workers().for_ranges(n_cells, kPiece, [&](std::uint64_t b, std::uint64_t e) {
+            for (std::uint64_t k = b; k < e; ++k) {
+                rank[order[k].slot] = static_cast<std::uint32_t>(k);
             }
+        });
+        std::vector<std::uint64_t> codes;
+        for (std::uint64_t k = 0; k < n_cells; k += kPiece) {
+            codes.clear();
+            for (std::uint64_t i = k; i < std::min(n_cells, k + kPiece); ++i) {
+                codes.push_back(order[i].code);
+            }
+            cutter.add(codes);
         }
-        cutter.add(codes);
         cutter.finish();
         append_faces(context, rank, triples, blocks);
     }

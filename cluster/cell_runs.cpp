@@ -49,7 +49,8 @@ ooc::Array<CellTriple> sorted_triples(ooc::Context& context, const ooc::Array<st
         }
     }
     ooc::Array<CellTriple> scratch(context.budget(), "surviving triangles", n);
-    ooc::radix_sort(triples, scratch, [](const CellTriple& t) { return median_corner(t); });
+    ooc::radix_sort(context.workers(), triples, scratch,
+                    [](const CellTriple& t) { return median_corner(t); });
     return triples;
 }
 
@@ -155,7 +156,8 @@ void CellRuns::write_run(CellTable& table, std::vector<TripleList>& triples, Lev
     table.for_each([&](CellKey key, std::uint32_t slot) { order[i++] = {morton(key), slot, 0}; });
     {
         ooc::Array<CodedSlot> scratch(context_.budget(), "cell order", n);
-        ooc::radix_sort(order, scratch, [](const CodedSlot& s) { return s.code; });
+        ooc::radix_sort(context_.workers(), order, scratch,
+                        [](const CodedSlot& s) { return s.code; });
     }
     {
         ooc::Array<std::uint32_t> rank(context_.budget(), "cell ranks", n);

@@ -76,10 +76,17 @@ class CellTable {
     /// Calls visit(key, slot) for every cell, in no particular order. No Admission may be alive.
     template <typename Visit>
     void for_each(const Visit& visit) const {
-        for (std::uint64_t i = 0; i < keys_.size(); ++i) {
+        for_each_in(0, index_size(), visit);
+    }
+    /// The same for those in a part of the index, places [begin, end) of index_size(): a share of
+    /// the work for a thread.
+    template <typename Visit>
+    void for_each_in(std::uint64_t begin, std::uint64_t end, const Visit& visit) const {
+        for (std::uint64_t i = begin; i < end; ++i) {
             if (keys_[i] != 0) visit(keys_[i] - 1, ids_[i] - 1);
         }
     }
+    [[nodiscard]] std::uint64_t index_size() const { return keys_.size(); }
     /// Frees the hash table; the sums stay.
     void release_index();
     /// Frees everything.

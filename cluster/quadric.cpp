@@ -10,7 +10,7 @@ Eigen3 eigen_decomposition(const Symmetric3& m) {
     double a[3][3] = {{m[0], m[1], m[2]}, {m[1], m[3], m[4]}, {m[2], m[4], m[5]}};
     double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     static constexpr int kPairs[3][2] = {{0, 1}, {0, 2}, {1, 2}};
-    constexpr int kMaxSweeps = 12;  // converges quadratically; three or four are usual
+    constexpr int kMaxSweeps = 12;   // converges quadratically; three or four are usual
     constexpr double kNoise = 1e-9;  // what another sweep would square
     for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
         const double off = std::fabs(a[0][1]) + std::fabs(a[0][2]) + std::fabs(a[1][2]);

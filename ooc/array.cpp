@@ -41,9 +41,9 @@ void* map_pages(std::uint64_t bytes) {
     if (bytes >= kHugeBytes) return map_aligned(bytes);
     void* p = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (p == MAP_FAILED) throw std::bad_alloc();
+#ifdef MADV_POPULATE_WRITE
     // All at once: a page fault each takes several times as long, and what is added to before it is
     // written, as sums are, faults twice. A hint that may be refused.
-#ifdef MADV_POPULATE_WRITE
     (void)::madvise(p, bytes, MADV_POPULATE_WRITE);
 #endif
     return p;
