@@ -3,7 +3,11 @@
 /// readers see to that, so no loop here needs a second end condition.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <cstdint>
+#include <cstring>
 
 namespace hewer::streaming {
 
@@ -17,15 +21,66 @@ inline const unsigned char* skip_blanks(const unsigned char* p, const unsigned c
     return p;
 }
 
+/// Where tokens end in text that is walked through eight bytes at a time: byte by byte, their
+/// lengths are what a processor guesses worst.
+class TokenEnds {
+  public:
+    /// In the bytes from `p` on, which follow those of the call before: the top bit of each blank
+    /// that follows a token.
+    std::uint64_t next(const unsigned char* p) {
+        std::uint64_t bytes;
+        std::memcpy(&bytes, p, sizeof bytes);
+        if constexpr (std::endian::native == std::endian::big) bytes = __builtin_bswap64(bytes);
+        // Above ' ' is what has its top bit set, or gets it when '~' - ' ' + 1 is added to the
+        // rest.
+        const std::uint64_t in_token = (((bytes & ~kTop) + 0x5f * kOnes) | bytes) & kTop;
+        const std::uint64_t ends = ~in_token & kTop & (in_token << 8 | in_token_before_);
+        in_token_before_ = in_token >> 56;
+        return ends;
+    }
+    /// How many of them next() has found.
+    static std::uint64_t count(std::uint64_t ends) { return (ends >> 7) * kOnes >> 56; }
+
+  private:
+    static constexpr std::uint64_t kOnes = 0x0101010101010101;
+    static constexpr std::uint64_t kTop = 0x80 * kOnes;
+    std::uint64_t in_token_before_ = 0;
+};
+
+/// Tokens that are followed by a blank before `end`; `p` is not within one.
+inline std::uint64_t count_tokens(const unsigned char* p, const unsigned char* end) {
+    std::uint64_t n = 0;
+    TokenEnds ends;
+    for (; end - p >= 8; p += 8) n += TokenEnds::count(ends.next(p));
+    std::array<unsigned char, 8> last;
+    last.fill('x');  // what is not there follows no token
+    std::copy(p, end, last.begin());
+    return n + TokenEnds::count(ends.next(last.data()));
+}
+
 /// The place after `n` more tokens, or null if the `n`th is not followed by a blank before `end`.
+/// `p` is not within a token.
 inline const unsigned char* skip_tokens(const unsigned char* p, const unsigned char* end,
                                         std::uint64_t n) {
-    for (; n > 0; --n) {
-        while (p != end && is_blank(*p)) ++p;
-        while (p != end && !is_blank(*p)) ++p;
-        if (p == end) return nullptr;
+    if (n == 0) return p;
+    TokenEnds ends;
+    for (; end - p >= 8; p += 8) {
+        std::uint64_t found = ends.next(p);
+        const std::uint64_t n_found = TokenEnds::count(found);
+        if (n_found < n) {
+            n -= n_found;
+            continue;
+        }
+        for (; n > 1; --n) found &= found - 1;
+        return p + std::countr_zero(found) / 8;
     }
-    return p;
+    std::array<unsigned char, 8> last;
+    last.fill('x');
+    std::copy(p, end, last.begin());
+    std::uint64_t found = ends.next(last.data());
+    if (TokenEnds::count(found) < n) return nullptr;
+    for (; n > 1; --n) found &= found - 1;
+    return p + std::countr_zero(found) / 8;
 }
 
 /// Parses the decimal integer that begins at `p`. Returns the place after it; null if the token is

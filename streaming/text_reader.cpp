@@ -71,13 +71,18 @@ void TextReader::cut(TextBlock& block) {
     const unsigned char* const end = p + block.n_bytes;
     block.n_rows = 0;
     block.n_triangles = 0;
-    while (next_row_ + block.n_rows < shape_.n_rows) {
-        std::uint64_t n_triangles = 0;
-        const unsigned char* row_end = skip_row(block, p, end, n_triangles);
-        if (row_end == nullptr) break;
-        p = row_end;
-        block.n_triangles += n_triangles;
-        ++block.n_rows;
+    if (shape_.lists.empty() && shape_.tail > 0) {
+        block.n_rows = std::min(shape_.n_rows - next_row_, count_tokens(p, end) / shape_.tail);
+        p = skip_tokens(p, end, block.n_rows * shape_.tail);
+    } else {
+        while (next_row_ + block.n_rows < shape_.n_rows) {
+            std::uint64_t n_triangles = 0;
+            const unsigned char* row_end = skip_row(block, p, end, n_triangles);
+            if (row_end == nullptr) break;
+            p = row_end;
+            block.n_triangles += n_triangles;
+            ++block.n_rows;
+        }
     }
     if (block.n_rows > 0) block.n_bytes = static_cast<std::size_t>(p - block.bytes.data());
 }

@@ -60,5 +60,38 @@ TEST(NumberParser, KnowsSpecialValues) {
     EXPECT_EQ(value, 0.0);
 }
 
+/// Where skip_tokens() must end, byte by byte; null the same way.
+const unsigned char* skip_one_by_one(const unsigned char* p, const unsigned char* end,
+                                     std::uint64_t n) {
+    for (; n > 0; --n) {
+        p = skip_blanks(p, end);
+        while (p != end && !is_blank(*p)) ++p;
+        if (p == end) return nullptr;
+    }
+    return p;
+}
+
+TEST(NumberParser, SkipsTokensOfAnyLengthBetweenAnyBlanks) {
+    std::mt19937_64 random(2);
+    const std::string alphabet = std::string(" \n\r\t !~\x7f\x80\xff") + '\0' + "0159.-e";
+    for (int i = 0; i < 20000; ++i) {
+        std::string text;
+        const std::size_t length = random() % 60;
+        while (text.size() < length) {
+            // Runs, so that tokens and gaps longer than a word are among them.
+            text += std::string(1 + random() % (random() % 4 == 0 ? 20 : 3),
+                                alphabet[random() % alphabet.size()]);
+        }
+        const unsigned char* const begin = bytes(text);
+        const unsigned char* const end = begin + text.size();
+        std::uint64_t n = 0;
+        for (; skip_one_by_one(begin, end, n) != nullptr; ++n) {
+            ASSERT_EQ(skip_tokens(begin, end, n), skip_one_by_one(begin, end, n)) << n;
+        }
+        ASSERT_EQ(skip_tokens(begin, end, n), nullptr);
+        ASSERT_EQ(count_tokens(begin, end), n - 1);
+    }
+}
+
 }  // namespace
 }  // namespace hewer::streaming
