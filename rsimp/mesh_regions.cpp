@@ -2,6 +2,7 @@
 #include "rsimp/mesh_regions.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "ooc/parallel.h"
@@ -22,6 +23,26 @@ VertexId id_at(const MeshStore& mesh, std::uint64_t rank) {
 std::uint64_t n_runs(std::uint64_t n, std::uint64_t per_run) {
     return (n + per_run - 1) / per_run;
 }
+
+/// What was told of a vertex by its rank, until another one takes its place: faces that follow each
+/// other share vertices.
+class RecentRanks {
+  public:
+    /// make(rank), unless that is known from before.
+    template <typename Make>
+    std::uint32_t find(std::uint64_t rank, const Make& make) {
+        Recent& recent = recent_[rank % recent_.size()];
+        if (recent.rank != rank) recent = {rank, make(rank)};
+        return recent.value;
+    }
+
+  private:
+    struct Recent {
+        std::uint64_t rank = ~std::uint64_t{0};
+        std::uint32_t value = 0;
+    };
+    std::array<Recent, 512> recent_;
+};
 
 }  // namespace
 
@@ -133,10 +154,17 @@ MeshPiece MeshRegions::load(std::size_t region, double reach, const ooc::Spool<V
     };
     if (is_small) face_boxes_.for_each_near(box, reach, read_run);
     std::vector<std::uint64_t> others;
-    for (Face& face : corners) {
-        for (std::uint64_t& corner : face) {
-            corner = index_.rank(corner);
-            if (corner - first_own >= n_own) others.push_back(corner);
+    {
+        RecentRanks met;
+        const auto note = [&](std::uint64_t rank) {
+            others.push_back(rank);
+            return std::uint32_t{0};
+        };
+        for (Face& face : corners) {
+            for (std::uint64_t& corner : face) {
+                corner = index_.rank(corner);
+                if (corner - first_own >= n_own) (void)met.find(corner, note);
+            }
         }
     }
     std::sort(others.begin(), others.end());
@@ -147,17 +175,18 @@ MeshPiece MeshRegions::load(std::size_t region, double reach, const ooc::Spool<V
     const std::vector<Vec3> around = read_places(positions, others);
     piece.positions.insert(piece.positions.end(), around.begin(), around.end());
 
+    RecentRanks located;
+    const auto locate = [&](std::uint64_t rank) {
+        const auto place = std::lower_bound(others.begin(), others.end(), rank) - others.begin();
+        return static_cast<std::uint32_t>(n_own + static_cast<std::uint64_t>(place));
+    };
     for (const Face& face : corners) {
         LocalFace local;
         FloatBox own;
         for (std::size_t k = 0; k < 3; ++k) {
             const std::uint64_t place = face[k] - first_own;
-            local[k] = static_cast<std::uint32_t>(
-                place < n_own
-                    ? place
-                    : n_own + static_cast<std::uint64_t>(
-                                  std::lower_bound(others.begin(), others.end(), face[k]) -
-                                  others.begin()));
+            local[k] =
+                place < n_own ? static_cast<std::uint32_t>(place) : located.find(face[k], locate);
             own.extend(piece.positions[local[k]]);
         }
         const bool is_own = local[0] < n_own || local[1] < n_own || local[2] < n_own;

@@ -48,6 +48,17 @@ void SampleRuns::for_each(const FloatBox& box, double reach, const Vec3& centre,
                           const std::function<void(std::span<const WeightedPoint>)>& visit,
                           std::uint64_t share) const {
     const std::uint64_t stride = share * stride_;
+    Vec3 low;
+    Vec3 high;
+    for (std::size_t k = 0; k < 3; ++k) {
+        low[k] = static_cast<double>(box.low[k]) - reach;
+        high[k] = static_cast<double>(box.high[k]) + reach;
+    }
+    const auto is_near = [&](const Vec3& p) {
+        bool is_inside = true;
+        for (std::size_t k = 0; k < 3; ++k) is_inside &= p[k] >= low[k] && p[k] <= high[k];
+        return is_inside;
+    };
     std::vector<FitSample> samples;
     std::vector<WeightedPoint> points;
     points.reserve(kMostPoints);
@@ -62,9 +73,7 @@ void SampleRuns::for_each(const FloatBox& box, double reach, const Vec3& centre,
         for (std::uint64_t i = (stride - first % stride) % stride; i < samples.size();
              i += stride) {
             const Vec3 p = samples[i].position() - origin_;
-            FloatBox place;
-            place.extend(p);
-            if (!box.meets(place, reach)) continue;
+            if (!is_near(p)) continue;
             points.push_back(
                 {to_single(p - centre), samples[i].area(), to_single(samples[i].normal())});
         }
