@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <utility>
 
 #include "ooc/parallel.h"
 #include "rsimp/edge_collapse.h"
@@ -16,6 +18,11 @@ namespace {
 // One of so many blocks is tried first.
 constexpr std::size_t kSampleStride = 8;
 constexpr std::size_t kLeastSample = 2;
+// So few that are tried are kept to go on; of so few, of unequal size, all are tried at once, since
+// one that is left for later may be the largest.
+constexpr std::size_t kFewBlocks = 4;
+// Memory that must be left for one that was tried to be kept: for spools, of what others do.
+constexpr std::uint64_t kSpareToKeep = 16 << 20;
 // The first run goes on to this times the cost that the sample suggests. Keys fall with about the
 // cube of the number of vertices, so this is some per cent of them.
 constexpr float kKeyMargin = 1.25F;
@@ -26,13 +33,12 @@ class LevelCollapse {
   public:
     LevelCollapse(ooc::Context& context, const PieceStore& blocks,
                   const std::vector<std::uint64_t>& n_open, const CollapseNeed& need)
-        : context_(context), blocks_(blocks), n_open_(n_open), need_(need) {
-        std::uint64_t most = 0;
+        : context_(context), blocks_(blocks), n_open_(n_open), need_(need), tried_(blocks.size()) {
         for (std::size_t b = 0; b < blocks.size(); ++b) {
             n_all_open_ += n_open[b];
-            most = std::max(most, bytes_for(b));
+            most_bytes_ = std::max(most_bytes_, bytes_for(b));
         }
-        n_alive_ = most_blocks_alive(context, most);
+        n_alive_ = most_blocks_alive(context, most_bytes_);
     }
 
     StepStore run() {
@@ -72,15 +78,42 @@ class LevelCollapse {
                EdgeCollapse::bytes_for(n, f, blocks_.attributes().quadrics);
     }
 
-    Log run_block(std::size_t b, const CollapseLimit& limit) {
-        const ooc::Reservation bytes =
-            context_.budget().reserve("a block's collapse", bytes_for(b));
-        BlockMesh mesh = blocks_.load(b, b + 1);
-        EdgeCollapse collapse(context_.workers(), mesh, need_.most_displacement);
-        mesh = {};
-        collapse.run(limit);
+    /// A block's collapse, as far as it has got.
+    struct Collapse {
+        ooc::Reservation bytes;
+        std::unique_ptr<EdgeCollapse> collapse;
+    };
+
+    Collapse begin_block(std::size_t b) {
+        Collapse begun{context_.budget().reserve("a block's collapse", bytes_for(b)), nullptr};
+        const BlockMesh mesh = blocks_.load(b, b + 1);
+        begun.collapse =
+            std::make_unique<EdgeCollapse>(context_.workers(), mesh, need_.most_displacement);
+        return begun;
+    }
+    Log run_block(const Collapse& block, const CollapseLimit& limit) {
+        block.collapse->run(limit);
         context_.check_stop();
-        return {collapse.steps(), collapse.is_finished()};
+        // One that was tried may have gone farther than it would now.
+        const std::vector<CollapseStep>& steps = block.collapse->steps();
+        const auto end = std::partition_point(
+            steps.begin(), steps.end(),
+            [&](const CollapseStep& step) { return step.key <= limit.most_key; });
+        return {{steps.begin(), end}, end == steps.end() && block.collapse->is_finished()};
+    }
+    Log run_block(std::size_t b, const CollapseLimit& limit) {
+        // One that was tried goes on, and is given up afterwards.
+        Collapse block = std::exchange(tried_[b], {});
+        if (!block.collapse) block = begin_block(b);
+        return run_block(block, limit);
+    }
+    /// The same, but it is kept to go on later if there is room beside what works at once.
+    Log try_block(std::size_t b, const CollapseLimit& limit) {
+        Collapse block = begin_block(b);
+        Log log = run_block(block, limit);
+        const std::uint64_t needed = n_alive_ * most_bytes_ + kSpareToKeep;
+        if (context_.budget().available() >= needed) tried_[b] = std::move(block);
+        return log;
     }
 
     StepStore run_all(const CollapseLimit& limit) {
@@ -102,7 +135,8 @@ class LevelCollapse {
     /// The cost at which a few blocks have lost their share of what has to go.
     float sample_key() {
         const std::size_t n = blocks_.size();
-        const std::size_t n_sample = std::min(n, std::max(kLeastSample, n / kSampleStride));
+        const std::size_t n_sample =
+            n <= kFewBlocks ? n : std::max(kLeastSample, n / kSampleStride);
         struct Key {
             float key;
             std::uint32_t weight;
@@ -121,7 +155,8 @@ class LevelCollapse {
                 CollapseLimit limit;
                 const auto most = static_cast<std::uint64_t>(std::ceil(1.1 * share_of(block(i))));
                 (need_.faces != 0 ? limit.most_faces : limit.most_vertices) = most;
-                return run_block(block(i), limit);
+                return n_sample <= kFewBlocks ? try_block(block(i), limit)
+                                              : run_block(block(i), limit);
             },
             [&](std::uint64_t i, const Log& log) {
                 share += share_of(block(i));
@@ -145,7 +180,9 @@ class LevelCollapse {
     const std::vector<std::uint64_t>& n_open_;
     CollapseNeed need_;
     std::uint64_t n_all_open_ = 0;
+    std::uint64_t most_bytes_ = 0;  // that a block takes
     std::size_t n_alive_ = 1;
+    std::vector<Collapse> tried_;  // by block
     std::uint64_t n_got_ = 0;
     std::uint64_t n_unfinished_ = 0;
 };
