@@ -23,9 +23,9 @@ inline constexpr double kFewestCells = 50'000;
 /// The same for the uniform method, which fuses them.
 inline constexpr double kUniformCellsPerVertex = 3;
 /// Clusters per vertex of the finest LOD at which refinement hands over to the edge collapse. Two
-/// instead of three save a seventh of the time and cost 2 % of error; Method::Refine is between.
+/// instead of three save a seventh of the time and cost 2 to 3 % of error.
 constexpr double clusters_per_vertex(Method method) {
-    return method == Method::Refine ? 2.5 : 3;
+    return method == Method::Refine ? 2 : 3;
 }
 /// With fewer cells than this times the clusters wanted, the collapse begins with the cells
 /// themselves.
