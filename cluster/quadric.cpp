@@ -10,12 +10,11 @@ Eigen3 eigen_decomposition(const Symmetric3& m) {
     double a[3][3] = {{m[0], m[1], m[2]}, {m[1], m[3], m[4]}, {m[2], m[4], m[5]}};
     double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     static constexpr int kPairs[3][2] = {{0, 1}, {0, 2}, {1, 2}};
-    constexpr int kMaxSweeps = 12;   // converges quadratically; three or four are usual
-    constexpr double kNoise = 1e-9;  // what another sweep would square
+    constexpr int kMaxSweeps = 12;  // converges quadratically; four are usual
     for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
         const double off = std::fabs(a[0][1]) + std::fabs(a[0][2]) + std::fabs(a[1][2]);
         const double diagonal = std::fabs(a[0][0]) + std::fabs(a[1][1]) + std::fabs(a[2][2]);
-        if (off <= kNoise * diagonal) break;
+        if (off <= 1e-14 * diagonal) break;
         for (const auto& pair : kPairs) {
             const int p = pair[0];
             const int q = pair[1];
