@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "rsimp/input_findings.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "hewer/error.h"
 
@@ -43,6 +45,20 @@ void warn_of(ooc::Context& context, const std::string& name, const InputDefects&
     }
 }
 
+void warn_of_ignored(ooc::Context& context, const SourceInfo& info) {
+    constexpr std::size_t kMostNames = 8;
+    const std::vector<std::string>& all = info.ignored;
+    if (all.empty()) return;
+    std::string names;
+    for (std::size_t i = 0; i < std::min(all.size(), kMostNames); ++i) {
+        names += (i == 0 ? "" : ", ") + all[i];
+    }
+    if (all.size() > kMostNames) {
+        names += " and " + std::to_string(all.size() - kMostNames) + " more";
+    }
+    context.warn(info.name + ": not carried: " + names);
+}
+
 }  // namespace
 
 void describe_input(const SourceInfo& info, InputReport& input) {
@@ -61,6 +77,7 @@ void describe_input(const SourceInfo& info, InputReport& input) {
 void judge_findings(ooc::Context& context, const MeshSource& source, bool is_strict,
                     const InputReport& input) {
     const SourceInfo& info = source.info();
+    warn_of_ignored(context, info);
     warn_of(context, info.name, input.defects);
     if (is_strict) check_strict(info.name, input.defects);
     if (input.triangles == 0) {

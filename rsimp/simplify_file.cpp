@@ -150,6 +150,17 @@ SimplifyReport simplify_to_files(MeshSource& source, const std::filesystem::path
     SimplifyReport report = simplify(
         source, [&](std::size_t i) { return std::move(sinks[i]); }, options, hooks);
     for (std::size_t i = 0; i < n; ++i) report.lods[i].path = lod_path(output, i, n).string();
+    const SourceInfo& info = source.info();
+    SinkHeader header;
+    header.has_normals = info.has_normals;
+    header.has_colors = info.has_colors;
+    header.has_alpha = info.has_alpha;
+    header.bounds = report.input.bounds;
+    header.has_double_positions = info.has_double_positions;
+    for (const std::string& what : streaming::what_is_lost(output, header)) {
+        if (hooks.on_warning) hooks.on_warning(what);
+        report.warnings.push_back(what);
+    }
     if (manifest_file) {
         manifest_file->write(manifest(report));
         manifest_file->commit();

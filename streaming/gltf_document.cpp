@@ -32,6 +32,7 @@ struct Chunks {
     std::uint64_t json_bytes = 0;
     std::uint64_t bin_offset = 0;
     std::uint64_t bin_bytes = 0;
+    std::uint64_t trailing_bytes = 0;
 };
 
 std::uint32_t word_at(const ooc::InputFile& file, std::uint64_t offset) {
@@ -53,7 +54,13 @@ Chunks find_chunks(const ooc::InputFile& file) {
     }
     Chunks chunks;
     const std::uint64_t end = file.size();
+    // Where the header says that it ends, if that is between two chunks: some writers say nonsense.
+    const std::uint64_t announced = word_at(file, 8);
     for (std::uint64_t at = kFileHeaderBytes; at + kChunkHeaderBytes <= end;) {
+        if (at == announced) {
+            chunks.trailing_bytes = end - at;
+            break;
+        }
         const std::uint64_t n = word_at(file, at);
         const std::uint32_t type = word_at(file, at + 4);
         const std::uint64_t begin = at + kChunkHeaderBytes;
@@ -227,7 +234,8 @@ GltfDocument read_gltf(std::unique_ptr<ooc::InputFile> owned, bool is_binary,
     document.n_bytes = file->size();
     document.held_temp_bytes = file->held_temp_bytes();
     document.is_binary = is_binary;
-    const Chunks chunks = is_binary ? find_chunks(*file) : Chunks{0, file->size(), 0, 0};
+    const Chunks chunks = is_binary ? find_chunks(*file) : Chunks{0, file->size(), 0, 0, 0};
+    document.trailing_bytes = chunks.trailing_bytes;
     ooc::MemoryBudget budget(options.memory_bytes != 0 ? options.memory_bytes
                                                        : ooc::default_memory_limit());
     const auto memory = budget.reserve("glTF document", kJsonMemory * chunks.json_bytes);

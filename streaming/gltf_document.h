@@ -23,6 +23,7 @@ struct GltfDocument {
     std::uint64_t n_bytes = 0;          ///< of all files together
     std::uint64_t held_temp_bytes = 0;  ///< of buffers that were unpacked
     bool is_binary = false;             ///< GLB
+    std::uint64_t trailing_bytes = 0;   ///< behind the end that its header tells
 };
 
 /// Reads the document of a .gltf or .glb file. Buffers in other files are looked for beside it, by

@@ -82,6 +82,9 @@ class Scene {
           textures_(document_, arrays_, options_, hooks) {
         require_known_extensions();
         if (model_.has_animations) ignore("animations");
+        if (document_.trailing_bytes > 0) {
+            ignore("the " + std::to_string(document_.trailing_bytes) + " bytes behind the GLB");
+        }
     }
 
     std::unique_ptr<MeshSource> open() {

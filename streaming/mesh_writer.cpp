@@ -13,6 +13,7 @@
 #include "streaming/obj_writer.h"
 #include "streaming/off_writer.h"
 #include "streaming/ply_writer.h"
+#include "streaming/position_precision.h"
 #include "streaming/quantization.h"
 #include "streaming/stl_writer.h"
 
@@ -28,6 +29,11 @@ struct Format {
     bool has_ascii;
     bool has_quantization;
     bool has_compression;
+    // What it holds; positions as more than floats, or relative to an offset.
+    bool has_normals = true;
+    bool has_colors = true;
+    bool has_alpha = true;
+    bool has_far_positions = true;
 };
 
 /// Text has no limits.
@@ -35,12 +41,14 @@ void accept(const std::filesystem::path& /*path*/, const SinkHeader& /*header*/)
 
 constexpr std::array<Format, 7> kFormats{{
     {".ply", streaming::create_ply, streaming::require_ply_fits, true, false, false},
-    {".obj", streaming::create_obj, accept, false, false, false},
+    {".obj", streaming::create_obj, accept, false, false, false, true, true, false},
     {".off", streaming::create_off, accept, false, false, false},
-    {".stl", streaming::create_stl, streaming::require_stl_fits, false, false, false},
+    {".stl", streaming::create_stl, streaming::require_stl_fits, false, false, false, false, false,
+     false, false},
     {".glb", streaming::create_gltf, streaming::require_glb_fits, false, true, true},
     {".gltf", streaming::create_gltf, streaming::require_gltf_fits, false, true, true},
-    {".drc", streaming::create_drc, streaming::require_drc_fits, false, true, false},
+    {".drc", streaming::create_drc, streaming::require_drc_fits, false, true, false, true, true,
+     true, false},
 }};
 
 const Format& format_of(const std::filesystem::path& path) {
@@ -100,6 +108,27 @@ std::unique_ptr<MeshSink> streaming::create_mesh_file(const std::filesystem::pat
 
 void streaming::require_format_fits(const std::filesystem::path& path, const SinkHeader& header) {
     format_of(path).require_fits(path, header);
+}
+
+std::vector<std::string> streaming::what_is_lost(const std::filesystem::path& path,
+                                                 const SinkHeader& header) {
+    const Format& format = format_of(path);
+    std::string missing;
+    const auto miss = [&](bool is_lost, const char* what) {
+        if (is_lost) missing += (missing.empty() ? "" : ", ") + std::string(what);
+    };
+    miss(header.has_normals && !format.has_normals, "normals of vertices");
+    miss(header.has_colors && !format.has_colors, "colours");
+    miss(header.has_alpha && format.has_colors && !format.has_alpha, "alpha");
+    const std::string name = path.string() + ": " + std::string(format.extension);
+    std::vector<std::string> lost;
+    if (!missing.empty()) lost.push_back(name + " has no place for " + missing + "; left out");
+    if (needs_double(header) && !format.has_far_positions) {
+        lost.push_back(name +
+                       " holds floats, which are too coarse this far from the origin: "
+                       "positions are rounded; .ply, .obj, .off and .glb keep them");
+    }
+    return lost;
 }
 
 }  // namespace hewer

@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "hewer/mesh_sink.h"
 
@@ -21,5 +23,9 @@ std::unique_ptr<MeshSink> create_mesh_file(const std::filesystem::path& path,
 /// such attributes; what it says names one that can. The same check as in begin(), for those who
 /// know the counts before the mesh.
 void require_format_fits(const std::filesystem::path& path, const SinkHeader& header);
+
+/// Sentences on what of such a mesh the format of `path` does not keep: attributes, and positions
+/// far from the origin. Counts are not looked at.
+std::vector<std::string> what_is_lost(const std::filesystem::path& path, const SinkHeader& header);
 
 }  // namespace hewer::streaming

@@ -60,7 +60,14 @@ class StlSource final : public MeshSource {
         const std::uint64_t announced = announced_count(*file_);
         const std::uint64_t body_bytes = file_->size() - kStlHeaderBytes;
         info_.n_faces = body_bytes / kStlTriangleBytes;
-        if (body_bytes % kStlTriangleBytes != 0) {
+        const bool is_whole = body_bytes % kStlTriangleBytes == 0;
+        if (!is_whole && announced > 0 && announced <= info_.n_faces) {
+            // A footer of some other program, or another file.
+            info_.n_faces = announced;
+            info_.ignored.push_back("the " +
+                                    std::to_string(body_bytes - announced * kStlTriangleBytes) +
+                                    " bytes behind the triangles");
+        } else if (!is_whole) {
             throw FormatError(path + ": truncated binary STL: the header announces " +
                               ooc::format_count(announced) + " triangles, which need " +
                               std::to_string(kStlHeaderBytes + announced * kStlTriangleBytes) +

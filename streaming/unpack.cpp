@@ -93,6 +93,7 @@ std::unique_ptr<ooc::InputFile> unpack_gzip(const ooc::InputFile& file, const Op
     std::vector<unsigned char> out(kOutBytes);
     bool is_at_end_of_member = false;
     bool is_padding = false;
+    bool is_first_member = true;
     for (std::span<unsigned char> in = feed.next(); !in.empty(); in = feed.next()) {
         z->next_in = in.data();
         z->avail_in = static_cast<uInt>(in.size());
@@ -103,12 +104,25 @@ std::unique_ptr<ooc::InputFile> unpack_gzip(const ooc::InputFile& file, const Op
                 if (is_padding) break;
                 ::inflateReset(z.get());
                 is_at_end_of_member = false;
+                is_first_member = false;
             }
             do {
                 z->next_out = out.data();
                 z->avail_out = static_cast<uInt>(out.size());
                 const int result = ::inflate(z.get(), Z_NO_FLUSH);
-                if (result != Z_OK && result != Z_STREAM_END && result != Z_BUF_ERROR) {
+                const bool is_damaged =
+                    result != Z_OK && result != Z_STREAM_END && result != Z_BUF_ERROR;
+                if (is_damaged && !is_first_member && z->total_out == 0) {
+                    // As gzip does: what does not begin like another member is none.
+                    if (options.strict) {
+                        throw FormatError(feed.place(z->avail_in) +
+                                          "bytes behind the gzip data; strict mode refuses them");
+                    }
+                    context.warn(feed.place(z->avail_in) +
+                                 "what follows the gzip data here is not read");
+                    return unpacked.finish(file.path());
+                }
+                if (is_damaged) {
                     throw FormatError(feed.place(z->avail_in) + "the gzip data is damaged" +
                                       (z->msg != nullptr ? std::string(" (") + z->msg + ")" : "") +
                                       "; compress it again from the original");

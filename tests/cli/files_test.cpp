@@ -43,6 +43,32 @@ TEST(CliInput, that_is_no_mesh_is_a_format_error) {
     EXPECT_EQ(dir.list(), Names{"a.ply"});
 }
 
+TEST(CliOutput, warns_of_what_its_format_and_hewer_do_not_carry) {
+    const ScratchDir dir;
+    write_file(dir.file("a.ply"),
+               "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\n"
+               "property double z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+               "property float quality\nelement face 1\nproperty list uchar int vertex_indices\n"
+               "end_header\n5000000.1 0 0 9 9 9 1\n5000001 0 0 9 9 9 1\n5000000 1 0 9 9 9 1\n"
+               "3 0 1 2\n");
+    const auto warnings_of = [&](const std::string& output) {
+        const Outcome outcome =
+            run_program({"simplify", dir.file("a.ply"), "-o", dir.file(output), "--ratio", "100%",
+                         "--report", dir.file("r.json"), "--force"});
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_NE(read_file(dir.file("r.json")).find("not carried: vertex.quality"),
+                  std::string::npos);
+        return outcome.err;
+    };
+    const std::string to_stl = warnings_of("a.stl");
+    EXPECT_NE(to_stl.find("not carried: vertex.quality"), std::string::npos) << to_stl;
+    EXPECT_NE(to_stl.find(".stl has no place for colours"), std::string::npos) << to_stl;
+    EXPECT_NE(to_stl.find("too coarse"), std::string::npos) << to_stl;
+    const std::string to_ply = warnings_of("b.ply");
+    EXPECT_EQ(to_ply.find("no place"), std::string::npos) << to_ply;
+    EXPECT_EQ(to_ply.find("too coarse"), std::string::npos) << to_ply;
+}
+
 TEST(CliInput, that_is_cut_short_is_a_format_error) {
     const ScratchDir dir;
     write_hills(dir.file("whole.ply"), 20);

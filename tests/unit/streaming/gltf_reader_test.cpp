@@ -331,6 +331,14 @@ TEST_F(GltfReader, ReadsAttributesWithNamesOfTheirOwnAsWeights) {
               std::string::npos);
 }
 
+TEST_F(GltfReader, NamesWhatStandsBehindItsEnd) {
+    const std::string glb = Square().glb.glb();
+    EXPECT_EQ(read(glb + glb).mesh.triangles.size(), 2U);
+    EXPECT_EQ(
+        source_->info().ignored,
+        std::vector<std::string>{"the " + std::to_string(glb.size()) + " bytes behind the GLB"});
+}
+
 TEST_F(GltfReader, ReadsBuffersBesideTheDocumentAndInsideIt) {
     Square square;
     Json document = square.glb.document;

@@ -78,6 +78,19 @@ TEST(CompressedInput, MayConsistOfSeveralMembersOrFrames) {
     expect_same_mesh(dir.write("c", zstd(head) + zstd(tail, 19)), text);
 }
 
+TEST(CompressedInput, MayHaveSomethingElseBehindIt) {
+    const test::TempDir dir;
+    const std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    const auto path = dir.write("a", gzip(text) + "something else\n");
+    std::vector<std::string> warnings;
+    Hooks hooks;
+    hooks.on_warning = [&](const std::string& warning) { warnings.push_back(warning); };
+    EXPECT_EQ(open_mesh(path, {}, hooks)->info().n_faces, 1U);
+    ASSERT_EQ(warnings.size(), 1U);
+    EXPECT_NE(warnings[0].find("is not read"), std::string::npos) << warnings[0];
+    EXPECT_NE(refusal(path, {.strict = true}).find("strict"), std::string::npos);
+}
+
 TEST(CompressedInput, ThatIsCutShortOrDamagedIsRefusedWithItsPlace) {
     const test::TempDir dir;
     const std::string text = test::ply_file(strip_of(3000, 0));

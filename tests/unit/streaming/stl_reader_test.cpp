@@ -82,6 +82,15 @@ TEST(StlReader, RefusesTruncatedAndEmptyFiles) {
     EXPECT_NE(message(good.substr(0, 50)).find("x.stl"), std::string::npos);
 }
 
+TEST(StlReader, NamesWhatStandsBehindItsTriangles) {
+    const test::TempDir dir;
+    const std::string file = test::stl_file(make_soup(3), 3) + "footer of a program";
+    const auto source = open_mesh(dir.write("x.stl", file));
+    EXPECT_EQ(source->info().n_faces, 3U);
+    ASSERT_EQ(source->info().ignored.size(), 1U);
+    EXPECT_EQ(source->info().ignored[0], "the 19 bytes behind the triangles");
+}
+
 TEST(StlReader, DropsAndCountsNonFiniteTriangles) {
     const test::TempDir dir;
     Soup soup = make_soup(5);
