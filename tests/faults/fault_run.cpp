@@ -87,23 +87,23 @@ void prepare(Job job, FaultRun& run) {
     const std::string scan = run.inputs.file("scan.ply");
     switch (job) {
         case Job::Levels:
-            make_scan(scan, {"--triangles", "200k", "--color"});
-            run.args = simplify(run, scan, {"--lods", "120k,30k", "--memory", "66MiB"});
+            make_scan(scan, {"--triangles", "140k", "--color"});
+            run.args = simplify(run, scan, {"--lods", "84k,20k", "--memory", "66MiB"});
             return;
         case Job::Shuffled:
             make_scan(scan, {"--triangles", "600k", "--shuffle"});
             run.args = simplify(run, scan, {"--triangles", "100k", "--memory", "56MiB"});
             return;
         case Job::Full:
-            make_scan(scan, {"--triangles", "300k", "--holes"});
+            make_scan(scan, {"--triangles", "150k", "--holes"});
             run.args = simplify(run, scan,
-                                {"--triangles", "150k", "--memory", "56MiB", "--method", "full"});
+                                {"--triangles", "75k", "--memory", "56MiB", "--method", "full"});
             return;
         case Job::Soup: {
             const std::string soup = run.inputs.file("scan.stl");
-            make_scan(scan, {"--triangles", "200k"});
-            run_or_throw({"simplify", scan, "-o", soup, "--triangles", "200k", "--quiet"});
-            run.args = simplify(run, soup, {"--triangles", "100k", "--memory", "56MiB"});
+            make_scan(scan, {"--triangles", "170k"});
+            run_or_throw({"simplify", scan, "-o", soup, "--triangles", "170k", "--quiet"});
+            run.args = simplify(run, soup, {"--triangles", "85k", "--memory", "56MiB"});
             return;
         }
         case Job::Doubles:
@@ -140,7 +140,12 @@ std::vector<std::string> stages_begun(const std::string& err) {
 }
 
 void wait_for_stage(RunningProgram& program, std::size_t n) {
-    while (!program.is_over() && stages_begun(program.err()).size() < n) {
+    // Reading the same lines again would take a core from the program.
+    std::size_t n_read = 0;
+    while (!program.is_over()) {
+        const std::string err = program.err();
+        if (err.size() > n_read && stages_begun(err).size() >= n) return;
+        n_read = err.size();
         std::this_thread::sleep_for(std::chrono::microseconds(300));
     }
 }

@@ -63,7 +63,7 @@ Mesh dirty_mesh() {
 }  // namespace
 
 TEST(Determinism, RefinedClosedMesh) {
-    expect_one_result(cube_sphere(100, 0.01), options_for(Target::Kind::Triangles, 5000), false,
+    expect_one_result(cube_sphere(75, 0.01), options_for(Target::Kind::Triangles, 5000), false,
                       "sphere");
 }
 

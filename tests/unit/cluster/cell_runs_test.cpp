@@ -99,10 +99,10 @@ void expect_equal(const test::Cells& a, const test::Cells& b) {
 }  // namespace
 
 TEST(CellRuns, NeitherSpillingNorWindowsShow) {
-    const std::vector<Mesh> meshes{test::cube_sphere(50, 0.01),
-                                   test::with_colors(test::plane_grid(70, 0.02)),
-                                   test::random_soup(3000, 9000, 4),
-                                   test::with_turned_triangles(test::cube_sphere(40), 0.5, 1)};
+    const std::vector<Mesh> meshes{test::cube_sphere(30, 0.01),
+                                   test::with_colors(test::plane_grid(45, 0.02)),
+                                   test::random_soup(1200, 3600, 4),
+                                   test::with_turned_triangles(test::cube_sphere(25), 0.5, 1)};
     for (const Mesh& mesh : meshes) {
         for (const double resolution : {8.0, 60.0}) {
             const test::Cells expected = make(mesh, resolution, {}, nullptr);
