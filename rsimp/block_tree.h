@@ -23,8 +23,8 @@ namespace hewer::rsimp {
 ///
 /// A part of the surface that lies in one cluster as a whole would vanish with it. What that costs
 /// is not in its quadric, whose minimum is near all its planes: its key is at least that of all its
-/// area moved by its size, and it is split twice then, into the four vertices that the simplest
-/// closed form has.
+/// area moved by its size, or by the distance that it had from a level of detail that it vanished
+/// from, and it is split at once into the four vertices that the simplest closed form has, or six.
 ///
 /// Memory: bytes_for() the largest block. One thread.
 class BlockTree {
@@ -45,7 +45,7 @@ class BlockTree {
     static constexpr std::uint64_t bytes_for(std::uint64_t n_cells, std::uint64_t n_faces,
                                              Priority priority, bool has_attribute_quadrics) {
         const std::uint64_t per_cell =
-            sizeof(cluster::CellRecord) + sizeof(LocalCell) + sizeof(double) +
+            sizeof(cluster::CellRecord) + sizeof(LocalCell) + sizeof(double) + sizeof(float) +
             (priority == Priority::NormalVariation ? sizeof(std::array<float, 3>) : 0) +
             (has_attribute_quadrics ? sizeof(cluster::CellAttributeQuadric) : 0);
         return n_cells * per_cell + CellGraph::bytes_for(n_cells, n_faces) +

@@ -37,6 +37,8 @@ constexpr double kStiffness = 2;
 constexpr double kStiffnessOfGone = 30;
 // How far around a region faces are looked for, in mean distances between vertices.
 constexpr double kReach = 2;
+// Of the square of that: what was found no nearer, but for rounding.
+constexpr double kAsGoodAsReach = 0.99;
 // Vertices of the mesh, at most, among which the one nearest to something vanished is looked for.
 constexpr std::uint64_t kMostVertices = 1 << 16;
 // What a cell without area counts for: it still has a place.
@@ -242,16 +244,13 @@ FeedbackResult feed_back(ooc::Context& context, const CellBlocks& cells, const M
             const std::uint64_t code = *codes.next();
             const bool has_vanished = d > gone;
             if (far) {
-                const float* before = cells.vanished.empty() ? nullptr : vanished_before.next();
-                float now = before != nullptr ? *before : 0;
-                if (has_vanished) {
-                    double distance = std::sqrt(d);
-                    if (d >= 0.99 * distances.reach_square()) {
-                        distance = std::max(distance, (*far)(place_of(code, cell) - mesh.origin));
-                    }
-                    now = std::max(now, static_cast<float>(distance * distance));
+                const float before = cells.vanished.empty() ? 0 : *vanished_before.next();
+                double now = has_vanished ? d : 0;
+                if (d >= kAsGoodAsReach * distances.reach_square()) {
+                    const double distance = (*far)(place_of(code, cell) - mesh.origin);
+                    if (distance > 0) now = std::max(now, distance * distance);
                 }
-                vanished.push_back(now);
+                vanished.push_back(std::max(before, static_cast<float>(now)));
             }
             if (d <= bound) continue;
             ++result.n_far;

@@ -30,7 +30,8 @@ struct FeedbackResult {
 ///
 /// `first_cluster` of each block of cells and the end are those that the mesh was made from.
 /// Passes: one over cells and faces in regions, one over the cells. Memory: MeshRegions, and for
-/// each region in work its faces and 4 bytes a cell; 4 bytes a cell on a spool. Nothing depends on
+/// each region in work its faces and 4 bytes a cell; 8 bytes a cell on spools; a PointTree of up to
+/// 65,536 vertices where something has vanished. Nothing depends on
 /// threads or memory.
 /// `far_distance`, in cells, takes the place of the several times if it is not 0.
 FeedbackResult feed_back(ooc::Context& context, const cluster::CellBlocks& cells,

@@ -63,7 +63,8 @@ std::uint64_t cell_attribute_bytes(const MemoryCounts& n) {
 
 /// Cells in blocks, on spools.
 std::uint64_t blocks_bytes(const MemoryCounts& n) {
-    return n.cells * (sizeof(std::uint64_t) + sizeof(CellRecord) + cell_attribute_bytes(n)) +
+    return n.cells * (sizeof(std::uint64_t) + sizeof(CellRecord) + cell_attribute_bytes(n) +
+                      (n.has_feedback ? sizeof(float) : 0)) +
            faces_of(n.cells) * sizeof(cluster::CellTriple);
 }
 
