@@ -53,13 +53,14 @@ void print_attributes(const InputReport& r) {
 }
 
 void print_defects(const InputDefects& d) {
-    const std::array<std::pair<std::uint64_t, std::string>, 6> rows{{
+    const std::array<std::pair<std::uint64_t, std::string>, 7> rows{{
         {d.nonfinite_vertices, "vertices with a coordinate that is not finite"},
         {d.nonfinite_triangles, "triangles with such a vertex (left out)"},
         {d.out_of_range_triangles, "triangles with an index out of range (left out)"},
         {d.short_faces, "faces of fewer than three corners (left out)"},
         {d.polygons, "faces of more than three corners (cut into triangles)"},
         {d.degenerate_triangles, "triangles without area"},
+        {d.trailing_bytes, "bytes behind the mesh (not read)"},
     }};
     bool has_defects = false;
     for (const auto& [count, what] : rows) {

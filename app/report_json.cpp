@@ -85,6 +85,7 @@ Json to_value(const InputDefects& d) {
             {"polygons", d.polygons},
             {"degenerate_triangles", d.degenerate_triangles},
             {"bad_weights", d.bad_weights},
+            {"trailing_bytes", d.trailing_bytes},
             {"first_nonfinite", d.first_nonfinite},
             {"first_out_of_range", d.first_out_of_range}};
 }

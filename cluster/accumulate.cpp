@@ -311,7 +311,9 @@ AccumulateResult accumulate(ooc::Context& context, const AccumulateInput& input,
             context.advance(batch.n_faces);
             const std::lock_guard lock(mutex);
             const InputDefects& d = batch.defects;
-            if (d.nonfinite_triangles + d.out_of_range_triangles + d.short_faces + d.polygons > 0) {
+            if (d.nonfinite_triangles + d.out_of_range_triangles + d.short_faces + d.polygons +
+                    d.trailing_bytes >
+                0) {
                 defects_by_place[batch.first_face] = d;
             }
         }

@@ -121,8 +121,8 @@ std::uint64_t Measurement::resident_bytes(const Census& simplified) const {
         Marks::bytes(original_.info().n_vertices) + context_.n_threads() * kBatchBytes;
     // What spools and merges keep in memory.
     using Sorter = ooc::ExternalSorter<LatticePoint, int>;
-    bytes +=
-        Sorter::kFanIn * (context_.page_bytes() + ooc::SpoolReader<LatticePoint>::kBufferBytes);
+    bytes += Sorter::kLeastFanIn *
+             (context_.page_bytes() + ooc::SpoolReader<LatticePoint>::kBufferBytes);
     if (maps_simplified()) {
         bytes += sizeof(float) * (n + ResidentSurface::max_points(simplified_, simplified));
     }

@@ -16,8 +16,10 @@ namespace hewer::ooc {
 
 namespace {
 
-// Unit of checksums and of reading from disk.
+// Unit of checksums and of reading from disk: as many records as fit in this.
 constexpr std::uint64_t kSectorBytes = 64 << 10;
+// On disk, pages begin at multiples of this, so that they can be given back one by one.
+constexpr std::uint64_t kPlaceBytes = 4 << 10;
 // A spool begins with a tail of this size.
 constexpr std::uint64_t kLeastTailBytes = 4 << 10;
 
@@ -44,7 +46,8 @@ struct RawSpool::State final : PageEvictor::Client {
         : context(c),
           what(std::move(w)),
           record_bytes(bytes),
-          per_page(std::max<std::uint64_t>(1, c.page_bytes() / bytes)),
+          per_sector(std::max<std::uint64_t>(1, std::min(c.page_bytes(), kSectorBytes) / bytes)),
+          per_page(per_sector * std::max<std::uint64_t>(1, c.page_bytes() / kSectorBytes)),
           id(g_next_id.fetch_add(1)) {
         context.evictor().add(*this);
     }
@@ -58,8 +61,15 @@ struct RawSpool::State final : PageEvictor::Client {
     };
 
     [[nodiscard]] std::uint64_t page_bytes() const { return per_page * record_bytes; }
-    [[nodiscard]] std::uint64_t sectors_per_page() const {
-        return (page_bytes() + kSectorBytes - 1) / kSectorBytes;
+    [[nodiscard]] std::uint64_t sector_bytes() const { return per_sector * record_bytes; }
+    [[nodiscard]] std::uint64_t sectors_per_page() const { return per_page / per_sector; }
+    /// Of a page on disk.
+    [[nodiscard]] std::uint64_t place(std::uint64_t page) const {
+        return page * ((page_bytes() + kPlaceBytes - 1) / kPlaceBytes * kPlaceBytes);
+    }
+    /// Bytes of records in a page; less than page_bytes() in the last one after seal().
+    [[nodiscard]] std::uint64_t filled_bytes(std::uint64_t page) const {
+        return std::min(page_bytes(), (size - page * per_page) * record_bytes);
     }
 
     [[nodiscard]] std::uint64_t resident_bytes() const override {
@@ -71,11 +81,13 @@ struct RawSpool::State final : PageEvictor::Client {
     void grow_tail();
     void read_page(std::uint64_t page, std::uint64_t offset, std::byte* out,
                    std::uint64_t bytes) const;
-    void read_sector(std::uint64_t sector, std::byte* out, std::uint64_t bytes) const;
+    void read_sector(std::uint64_t page, std::uint64_t sector, std::byte* out,
+                     std::uint64_t bytes) const;
 
     Context& context;
     std::string what;
     std::uint64_t record_bytes;
+    std::uint64_t per_sector;
     std::uint64_t per_page;
     std::uint64_t id;
     mutable std::shared_mutex mutex;
@@ -89,14 +101,14 @@ struct RawSpool::State final : PageEvictor::Client {
 
 void RawSpool::State::write_out(std::uint64_t page, const std::byte* bytes) {
     if (!file) file = std::make_unique<SpillFile>(context.spill());
-    file->write_at(page * sectors_per_page() * kSectorBytes, bytes, page_bytes());
+    const std::uint64_t filled = filled_bytes(page);
+    file->write_at(place(page), bytes, filled);
     if (checksums.size() < (page + 1) * sectors_per_page()) {
         checksums.resize((page + 1) * sectors_per_page());
     }
-    for (std::uint64_t s = 0; s < sectors_per_page(); ++s) {
-        const std::uint64_t begin = s * kSectorBytes;
-        checksums[page * sectors_per_page() + s] =
-            checksum(bytes + begin, std::min(kSectorBytes, page_bytes() - begin));
+    for (std::uint64_t begin = 0; begin < filled; begin += sector_bytes()) {
+        checksums[page * sectors_per_page() + begin / sector_bytes()] =
+            checksum(bytes + begin, std::min(sector_bytes(), filled - begin));
     }
 }
 
@@ -110,9 +122,9 @@ std::uint64_t RawSpool::State::evict(std::uint64_t wanted) {
         if (page.memory.empty()) continue;
         if (!page.is_on_disk) write_out(p, page.memory.data());
         page.is_on_disk = true;
+        freed += page.memory.size();
         page.memory.release();
         n_resident.fetch_sub(1, std::memory_order_relaxed);
-        freed += page_bytes();
     }
     return freed;
 }
@@ -145,9 +157,10 @@ void RawSpool::State::complete_tail() {
     pages.push_back(std::move(page));
 }
 
-void RawSpool::State::read_sector(std::uint64_t sector, std::byte* out, std::uint64_t bytes) const {
-    file->read_at(sector * kSectorBytes, out, bytes);
-    if (checksum(out, bytes) != checksums[sector]) {
+void RawSpool::State::read_sector(std::uint64_t page, std::uint64_t sector, std::byte* out,
+                                  std::uint64_t bytes) const {
+    file->read_at(place(page) + sector * sector_bytes(), out, bytes);
+    if (checksum(out, bytes) != checksums[page * sectors_per_page() + sector]) {
         throw IoError(context.spill().folder().string() + ": a temporary file (" + what +
                       ") is damaged: its checksum has changed; the disk may be failing");
     }
@@ -157,21 +170,21 @@ void RawSpool::State::read_page(std::uint64_t page, std::uint64_t offset, std::b
                                 std::uint64_t bytes) const {
     SectorCache& cache = sector_cache();
     while (bytes > 0) {
-        const std::uint64_t in_page = offset / kSectorBytes;
-        const std::uint64_t sector = page * sectors_per_page() + in_page;
-        const std::uint64_t sector_bytes =
-            std::min(kSectorBytes, page_bytes() - in_page * kSectorBytes);
-        const std::uint64_t skip = offset % kSectorBytes;
-        const std::uint64_t count = std::min(bytes, sector_bytes - skip);
-        if (count == sector_bytes) {
-            read_sector(sector, out, sector_bytes);
+        const std::uint64_t sector = offset / sector_bytes();
+        const std::uint64_t number = page * sectors_per_page() + sector;
+        const std::uint64_t in_sector =
+            std::min(sector_bytes(), filled_bytes(page) - sector * sector_bytes());
+        const std::uint64_t skip = offset % sector_bytes();
+        const std::uint64_t count = std::min(bytes, in_sector - skip);
+        if (count == in_sector) {
+            read_sector(page, sector, out, in_sector);
         } else {
-            if (cache.spool != id || cache.sector != sector) {
+            if (cache.spool != id || cache.sector != number) {
                 cache.spool = 0;
-                cache.bytes.resize(kSectorBytes);
-                read_sector(sector, cache.bytes.data(), sector_bytes);
+                cache.bytes.resize(in_sector);
+                read_sector(page, sector, cache.bytes.data(), in_sector);
                 cache.spool = id;
-                cache.sector = sector;
+                cache.sector = number;
             }
             std::memcpy(out, cache.bytes.data() + skip, count);
         }
@@ -206,6 +219,16 @@ void RawSpool::append(const void* records, std::uint64_t n) {
     }
 }
 
+void RawSpool::seal() {
+    State& s = *state_;
+    const std::unique_lock lock(s.mutex);
+    if (s.size % s.per_page != 0) {
+        s.pages.push_back({std::move(s.tail), false});
+        s.n_resident.fetch_add(1, std::memory_order_relaxed);
+    }
+    s.tail.release();
+}
+
 void RawSpool::read(std::uint64_t first, std::uint64_t n, void* out) const {
     const State& s = *state_;
     auto* target = static_cast<std::byte*>(out);
@@ -238,7 +261,7 @@ void RawSpool::discard_before(std::uint64_t record) {
         if (!page.memory.empty()) s.n_resident.fetch_sub(1, std::memory_order_relaxed);
         page.memory.release();
         if (page.is_on_disk) {
-            s.file->discard(p * s.sectors_per_page() * kSectorBytes, s.page_bytes());
+            s.file->discard(s.place(p), s.place(p + 1) - s.place(p));
         }
         page.is_on_disk = false;
     }

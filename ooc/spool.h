@@ -20,7 +20,7 @@ namespace hewer::ooc {
 /// A sequence of records of one size, in pages of Context::page_bytes(). Where the pages are, in
 /// memory or on disk, is nobody's business but the budget's: a reservation that does not fit makes
 /// spools move pages to disk (the last pages of the largest spool first, since everything here is
-/// read front to back). Pages on disk carry their length and a checksum.
+/// read front to back). Pages on disk carry checksums.
 ///
 /// Thread-safety: append() by one thread at a time, read() by any number, also during append() (of
 /// records that are there already). Throws: OutOfDiskBudget if temporary space is used up, IoError
@@ -33,6 +33,9 @@ class RawSpool {
     RawSpool& operator=(const RawSpool&) = delete;
 
     void append(const void* records, std::uint64_t n);
+    /// After the last append(): what is in memory for the next one is given back. For those who
+    /// hold many spools at once.
+    void seal();
     void read(std::uint64_t first, std::uint64_t n, void* out) const;
     /// Gives back the pages that hold only records before `record`: they will not be read again.
     void discard_before(std::uint64_t record);
@@ -59,6 +62,7 @@ class Spool {
 
     void append(std::span<const T> records) { raw_->append(records.data(), records.size()); }
     void push(const T& record) { raw_->append(&record, 1); }
+    void seal() { raw_->seal(); }
     /// Precondition: the range lies within size().
     void read(std::uint64_t first, std::span<T> out) const {
         if (!out.empty()) raw_->read(first, out.size(), out.data());
@@ -90,7 +94,16 @@ class SpoolReader {
         : spool_(&spool),
           at_(first),
           last_(last),
-          buffer_(std::min(last - first, std::max<std::uint64_t>(1, buffer_bytes / sizeof(T)))) {}
+          own_(std::min(last - first, std::max<std::uint64_t>(1, buffer_bytes / sizeof(T)))),
+          buffer_(own_) {}
+    /// Through a buffer of the caller's.
+    SpoolReader(const Spool<T>& spool, std::span<T> buffer)
+        : spool_(&spool), at_(0), last_(spool.size()), buffer_(buffer) {}
+    SpoolReader(const SpoolReader&) = delete;
+    SpoolReader& operator=(const SpoolReader&) = delete;
+    SpoolReader(SpoolReader&&) noexcept = default;
+    SpoolReader& operator=(SpoolReader&&) noexcept = default;
+    ~SpoolReader() = default;
 
     /// The next record, or null at the end. Valid until the next call.
     const T* next() {
@@ -115,8 +128,10 @@ class SpoolReader {
 
   private:
     bool fill() {
-        const std::uint64_t n = std::min<std::uint64_t>(buffer_.size(), last_ - at_);
-        if (n == 0) return false;
+        if (at_ == last_) return false;
+        // From a multiple of the buffer to the next: those are what is read from disk at once.
+        const std::uint64_t n =
+            std::min<std::uint64_t>(buffer_.size() - at_ % buffer_.size(), last_ - at_);
         spool_->read(at_, std::span<T>(buffer_.data(), n));
         at_ += n;
         filled_ = n;
@@ -127,7 +142,8 @@ class SpoolReader {
     const Spool<T>* spool_;
     std::uint64_t at_;
     std::uint64_t last_;
-    std::vector<T> buffer_;
+    std::vector<T> own_;
+    std::span<T> buffer_;
     std::uint64_t filled_ = 0;
     std::uint64_t used_ = 0;
 };

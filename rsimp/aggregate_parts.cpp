@@ -461,7 +461,7 @@ void settle_walls(ooc::Context& context, const ooc::Spool<FacingFace>& facing, d
 /// Faces whose corners stay keep their order; the others find their new blocks by sorting, bar
 /// walls that face each other.
 void copy_faces(ooc::Context& context, CellBlocks& from, const CellMerger& merger,
-                const KeptCells& kept, const PartsOfSets& sets,
+                const ooc::RankedSet& kept, const PartsOfSets& sets,
                 const ooc::Spool<std::uint32_t>& names, double distance, CellBlocks& to) {
     struct Moved {
         std::uint32_t middle;
@@ -499,7 +499,7 @@ void copy_faces(ooc::Context& context, CellBlocks& from, const CellMerger& merge
         CellTriple mapped;
         bool is_moved = false;
         for (std::size_t k = 0; k < 3; ++k) {
-            mapped[k] = kept.id(merger.target((*face)[k]));
+            mapped[k] = static_cast<std::uint32_t>(kept.rank(merger.target((*face)[k])));
             is_moved |= merger.target((*face)[k]) != (*face)[k];
         }
         if (mapped[0] == mapped[1] || mapped[1] == mapped[2] || mapped[0] == mapped[2]) continue;
@@ -611,9 +611,9 @@ CellBlocks aggregate_parts(ooc::Context& context, CellBlocks cells, const Simpli
     }
     told.distance = cell_size * merger.farthest();
     const ooc::Spool<MergedCell> merged = sorter.finish();
-    KeptCells kept(context.budget(), cells.n_cells());
+    ooc::RankedSet kept(context.budget(), "cells that stay", cells.n_cells());
     for (std::uint64_t i = 0; i < cells.n_cells(); ++i) {
-        if (merger.target(static_cast<std::uint32_t>(i)) == i) kept.keep(i);
+        if (merger.target(static_cast<std::uint32_t>(i)) == i) kept.insert(i);
     }
     kept.number();
     CellBlocks result =

@@ -12,7 +12,7 @@ using cluster::CellAttributes;
 using cluster::CellBlocks;
 using cluster::CellRecord;
 
-void copy_cells(ooc::Context& context, CellBlocks& from, const KeptCells& kept,
+void copy_cells(ooc::Context& context, CellBlocks& from, const ooc::RankedSet& kept,
                 const ChangeCell& change, std::uint64_t most_cells, CellBlocks& to) {
     cluster::BlockCutter cutter(to, most_cells);
     ooc::SpoolReader<std::uint64_t> codes(from.codes);
@@ -44,12 +44,12 @@ void copy_cells(ooc::Context& context, CellBlocks& from, const KeptCells& kept,
     cutter.finish();
 }
 
-void copy_borders(const CellBlocks& from, const KeptCells& kept, CellBlocks& to) {
+void copy_borders(const CellBlocks& from, const ooc::RankedSet& kept, CellBlocks& to) {
     ooc::SpoolReader<cluster::BorderLine> lines(from.borders);
     while (const cluster::BorderLine* line = lines.next()) {
         if (!kept.has(line->cell)) continue;
         cluster::BorderLine copy = *line;
-        copy.cell = kept.id(line->cell);
+        copy.cell = static_cast<std::uint32_t>(kept.rank(line->cell));
         to.borders.push(copy);
     }
 }

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "hewer/error.h"
-#include "ooc/array.h"
 #include "ooc/parallel.h"
+#include "ooc/ranked_set.h"
 #include "rsimp/input_findings.h"
 #include "streaming/equal_corners.h"
 #include "streaming/ordered_points.h"
@@ -21,48 +21,6 @@
 namespace hewer::rsimp {
 
 namespace {
-
-constexpr std::uint64_t kWordBits = 64;
-
-/// A set of vertices, with the rank of each in it.
-class VertexSet {
-  public:
-    VertexSet(ooc::Context& context, std::uint64_t n_vertices)
-        : bits_(context.budget(), "vertices of a copy", n_vertices / kWordBits + 1) {}
-
-    void insert(std::uint64_t v) { bits_[v / kWordBits] |= std::uint64_t{1} << (v % kWordBits); }
-    [[nodiscard]] bool has(std::uint64_t v) const {
-        return (bits_[v / kWordBits] >> (v % kWordBits) & 1) != 0;
-    }
-
-    /// After the last insert(), once. Returns the size.
-    std::uint64_t count(ooc::Context& context) {
-        before_ = ooc::Array<std::uint64_t>(context.budget(), "ranks of a copy",
-                                            bits_.size() / kWordsPerRank + 1);
-        std::uint64_t n = 0;
-        for (std::uint64_t i = 0; i < bits_.size(); ++i) {
-            if (i % kWordsPerRank == 0) before_[i / kWordsPerRank] = n;
-            n += static_cast<std::uint64_t>(std::popcount(bits_[i]));
-        }
-        return n;
-    }
-    /// How many members are below v.
-    [[nodiscard]] std::uint64_t rank(std::uint64_t v) const {
-        const std::uint64_t word = v / kWordBits;
-        const std::uint64_t group = word / kWordsPerRank;
-        std::uint64_t n = before_[group];
-        for (std::uint64_t i = group * kWordsPerRank; i < word; ++i) {
-            n += static_cast<std::uint64_t>(std::popcount(bits_[i]));
-        }
-        const std::uint64_t below = (std::uint64_t{1} << (v % kWordBits)) - 1;
-        return n + static_cast<std::uint64_t>(std::popcount(bits_[word] & below));
-    }
-
-  private:
-    static constexpr std::uint64_t kWordsPerRank = 8;
-    ooc::Array<std::uint64_t> bits_;
-    ooc::Array<std::uint64_t> before_;  // members before each group of words
-};
 
 bool is_finite(const Vec3& p) {
     return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
@@ -80,7 +38,9 @@ class Copier {
           most_resident_(options.tuning.window_vertices),
           stages_(stages),
           input_(report.input),
-          lod_(lod) {}
+          lod_(lod),
+          batches_(context.budget().reserve("batches of a copy",
+                                            context.n_threads() * kCopyBatchBytes)) {}
 
     std::uint64_t run() {
         describe_input(info_, input_);
@@ -96,9 +56,9 @@ class Copier {
 
   private:
     void copy_indexed() {
-        VertexSet used(context_, info_.n_vertices);
+        ooc::RankedSet used(context_.budget(), "vertices of a copy", info_.n_vertices);
         survey(used);
-        lod_.vertices = used.count(context_);
+        lod_.vertices = used.number();
         begin_writing();
         if (sink_.takes_points()) {
             streaming::stream_points(context_, source_, most_resident_,
@@ -110,8 +70,8 @@ class Copier {
     }
 
     /// Finds what is left out, what is used, and all counts.
-    void survey(VertexSet& used) {
-        VertexSet finite(context_, info_.n_vertices);
+    void survey(ooc::RankedSet& used) {
+        ooc::RankedSet finite(context_.budget(), "finite vertices of a copy", info_.n_vertices);
         stages_.begin("vertices", info_.n_vertices, "vertices");
         std::mutex mutex;
         source_.begin_vertices();
@@ -130,7 +90,8 @@ class Copier {
         });
         ++input_.vertex_passes;
         stages_.begin("triangles", info_.n_faces, "faces");
-        streaming::TopologyCounter topology(context_, info_.n_vertices, context_.sort_bytes());
+        streaming::TopologyCounter topology(context_, info_.n_vertices,
+                                            streaming::ample_sort_bytes(context_));
         std::vector<Triangle> kept;
         std::uint64_t n_nonfinite = 0;
         streaming::for_triangle_batches(context_, source_, [&](const TriangleBatch& batch) {
@@ -158,7 +119,7 @@ class Copier {
         lod_.bounds = input_.bounds;
     }
 
-    void send_vertices(const VertexSet& used) {
+    void send_vertices(const ooc::RankedSet& used) {
         VertexBatch batch;
         source_.begin_vertices();
         while (source_.next_vertices(batch)) {
@@ -170,7 +131,7 @@ class Copier {
         ++input_.vertex_passes;
     }
 
-    static void keep_used(const VertexSet& used, VertexBatch& batch) {
+    static void keep_used(const ooc::RankedSet& used, VertexBatch& batch) {
         std::size_t n = 0;
         for (std::size_t i = 0; i < batch.positions.size(); ++i) {
             if (!used.has(batch.first + i)) continue;
@@ -184,7 +145,7 @@ class Copier {
         if (!batch.colors.empty()) batch.colors.resize(n);
     }
 
-    void send_triangles(const VertexSet& used) {
+    void send_triangles(const ooc::RankedSet& used) {
         TriangleBatch batch;
         std::vector<Triangle> kept;
         source_.begin_triangles();
@@ -237,40 +198,26 @@ class Copier {
 
     void copy_welded() {
         stages_.begin("triangles", info_.n_faces, "faces");
-        const streaming::WeldedMesh mesh = streaming::weld(context_, source_);
-        ++input_.triangle_passes;
-        input_.defects.merge(mesh.defects);
-        lod_.triangles = mesh.triangles.size();
-        lod_.vertices = mesh.positions.size();
+        streaming::Weld mesh(context_, source_);
+        input_.triangle_passes += 2;
+        input_.defects.merge(mesh.defects());
+        lod_.triangles = mesh.n_triangles();
+        lod_.vertices = mesh.n_vertices();
         input_.triangles = lod_.triangles + input_.defects.degenerate_triangles;
         judge();
-        for_pieces(mesh.positions, [&](std::span<const Vec3> piece) {
-            for (const Vec3& p : piece) lod_.bounds.extend(p);
-        });
-        input_.bounds = lod_.bounds;
+        input_.bounds = lod_.bounds = mesh.bounds();
         begin_writing();
-        for_pieces(mesh.positions, [&](std::span<const Vec3> piece) {
+        mesh.for_vertices([&](std::span<const Vec3> piece) {
             for (const Vec3& p : piece) add_to_hash(p);
             sink_.add_vertices({piece, {}, {}});
         });
-        streaming::TopologyCounter topology(context_, lod_.vertices, context_.sort_bytes());
-        for_pieces(mesh.triangles, [&](std::span<const Triangle> piece) {
+        streaming::TopologyCounter topology(context_, lod_.vertices,
+                                            streaming::ample_sort_bytes(context_));
+        mesh.for_triangles([&](std::span<const Triangle> piece) {
             topology.add(piece);
             send(piece);
         });
         lod_.topology = topology.finish();
-    }
-
-    template <typename Record, typename Take>
-    void for_pieces(const ooc::Spool<Record>& spool, const Take& take) {
-        constexpr std::uint64_t kPiece = 1 << 13;
-        std::vector<Record> piece;
-        for (std::uint64_t first = 0; first < spool.size(); first += kPiece) {
-            piece.resize(std::min(kPiece, spool.size() - first));
-            spool.read(first, piece);
-            take(std::span<const Record>(piece));
-            context_.check_stop();
-        }
     }
 
     void judge() {
@@ -323,6 +270,7 @@ class Copier {
     StageLog& stages_;
     InputReport& input_;
     LodReport& lod_;
+    ooc::Reservation batches_;
     ooc::Reservation held_;
     std::uint64_t hash_ = 0xcbf29ce484222325ULL;
 };

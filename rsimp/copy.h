@@ -17,15 +17,18 @@ namespace hewer::rsimp {
 /// methods leave out as well. Triangles that the file has twice stay, and so do vertices that lie
 /// in one place.
 ///
-/// Passes: two over the vertices and two over the triangles; a soup is read once if it becomes
-/// indexed, else twice. Fills report.input and counts, bounds and topology of `lod`; calls begin()
-/// and all add_*() of `sink`. Returns FNV-1a over what went out.
-/// Memory: copy_bytes(), the topology counter's 4 bytes a vertex, and what weld() or
-/// stream_points() take. Throws: FormatError (nothing is left; dirt in strict mode), what source
-/// and sink throw, OutOfMemoryBudget, OutOfDiskBudget, Cancelled.
+/// Passes: two over the vertices and two over the triangles; a soup is read twice if it becomes
+/// indexed, else three times. Fills report.input and counts, bounds and topology of `lod`; calls
+/// begin() and all add_*() of `sink`. Returns FNV-1a over what went out. Memory: kCopyBatchBytes,
+/// copy_bytes() or Weld::bytes(), the topology counter's 4 bytes a vertex, and the buffers of what
+/// Weld or stream_points() take. Throws: FormatError (nothing is left; dirt in strict mode), what
+/// source and sink throw, OutOfMemoryBudget, OutOfDiskBudget, Cancelled.
 std::uint64_t copy_mesh(ooc::Context& context, MeshSource& source, MeshSink& sink,
                         const SimplifyOptions& options, StageLog& stages, SimplifyReport& report,
                         LodReport& lod);
+
+/// Batches of input and output in flight, for each thread.
+constexpr std::uint64_t kCopyBatchBytes = 4ULL << 20;
 
 /// Two bits a vertex, and their ranks.
 constexpr std::uint64_t copy_bytes(std::uint64_t n_vertices) {

@@ -62,14 +62,14 @@ ooc::Array<PartBox> find_boxes(ooc::Context& context, const CellBlocks& cells,
 }
 
 /// A cell without a face goes if what is around it goes: a part grazed it.
-KeptCells choose_cells(ooc::Context& context, const CellBlocks& cells, const FacedCells& faced,
-                       const ooc::Array<PartBox>& boxes, CellParts& parts) {
-    KeptCells kept(context.budget(), cells.n_cells());
+ooc::RankedSet choose_cells(ooc::Context& context, const CellBlocks& cells, const FacedCells& faced,
+                            const ooc::Array<PartBox>& boxes, CellParts& parts) {
+    ooc::RankedSet kept(context.budget(), "cells that stay", cells.n_cells());
     {
         ooc::SpoolReader<std::uint32_t> pieces(parts.pieces());
         for (std::uint64_t i = 0; i < cells.n_cells(); ++i) {
             const std::uint32_t piece = *pieces.next();
-            if (faced.has(i) && !boxes[parts.part_of(piece)].is_small) kept.keep(i);
+            if (faced.has(i) && !boxes[parts.part_of(piece)].is_small) kept.insert(i);
         }
     }
     const ooc::Reservation bytes = context.budget().reserve(
@@ -87,7 +87,7 @@ KeptCells choose_cells(ooc::Context& context, const CellBlocks& cells, const Fac
             has_dropped = true;
             return kept.has(*id);
         });
-        if (has_kept || !has_dropped) kept.keep(i);
+        if (has_kept || !has_dropped) kept.insert(i);
     }
     kept.number();
     return kept;
@@ -95,12 +95,14 @@ KeptCells choose_cells(ooc::Context& context, const CellBlocks& cells, const Fac
 
 /// With fewer cells the blocks are the same boxes or larger ones, and ids keep their order: so
 /// faces that were in the order of the blocks of their median corners still are.
-void copy_faces(ooc::Context& context, CellBlocks& from, const KeptCells& kept, CellBlocks& to) {
+void copy_faces(ooc::Context& context, CellBlocks& from, const ooc::RankedSet& kept,
+                CellBlocks& to) {
     ooc::SpoolReader<CellTriple> faces(from.faces);
     std::size_t block = 0;
     while (const CellTriple* face = faces.next()) {
         if (!kept.has((*face)[0])) continue;
-        const CellTriple mapped{kept.id((*face)[0]), kept.id((*face)[1]), kept.id((*face)[2])};
+        CellTriple mapped = *face;
+        for (std::uint32_t& cell : mapped) cell = static_cast<std::uint32_t>(kept.rank(cell));
         while (cluster::median_corner(mapped) >= to.blocks[block + 1].first_cell) {
             to.blocks[++block].first_face = to.faces.size();
         }
@@ -142,7 +144,7 @@ CellBlocks drop_parts(ooc::Context& context, CellBlocks cells, const SimplifyOpt
              << " that --drop-parts asks for; the largest has a diagonal of " << largest;
         throw InvalidArgument(text.str());
     }
-    const KeptCells kept = choose_cells(context, cells, faced, boxes, parts);
+    const ooc::RankedSet kept = choose_cells(context, cells, faced, boxes, parts);
     CellBlocks result = cluster::make_cell_blocks(context, cells.lattice, cells.grid,
                                                   cluster::CellExtras(!cells.attributes.empty()));
     result.is_consistently_wound = cells.is_consistently_wound;

@@ -23,6 +23,7 @@ void check_strict(const std::string& name, const InputDefects& d) {
     refuse_any(d.out_of_range_triangles, " triangles have a vertex index out of range");
     refuse_any(d.degenerate_triangles, " triangles have no area");
     refuse_any(d.bad_weights, " vertices have a weight that is no number from 0 to 1000");
+    refuse_any(d.trailing_bytes, " bytes are behind the mesh");
 }
 
 void warn_of(ooc::Context& context, const std::string& name, const InputDefects& d) {
@@ -42,6 +43,11 @@ void warn_of(ooc::Context& context, const std::string& name, const InputDefects&
             name + ": " + std::to_string(d.bad_weights) +
             " weights of vertices are no numbers from 0 to 1000: larger ones were taken as "
             "1000, others as 1");
+    }
+    if (d.trailing_bytes > 0) {
+        context.warn(name + ": " + std::to_string(d.trailing_bytes) +
+                     " bytes behind the mesh were not read; if they are a second file, give it as "
+                     "an input of its own");
     }
 }
 

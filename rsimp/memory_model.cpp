@@ -19,6 +19,7 @@
 #include "rsimp/grid_choice.h"
 #include "rsimp/mesh_store.h"
 #include "rsimp/vertex_attributes.h"
+#include "streaming/weld.h"
 
 namespace hewer::rsimp {
 
@@ -125,13 +126,18 @@ std::uint64_t vertex_bytes(const MemoryCounts& n, std::uint64_t limit) {
     return has_resident_vertices(n, limit) ? 16 * n.vertices : limit / kWindowShare;
 }
 
-/// Method::Copy: the sets of vertices, and the components that the topology counter keeps.
-std::uint64_t least_copy_bytes(std::uint64_t n_vertices, unsigned n_threads) {
+/// Method::Copy: the sets of vertices or, of a soup, of corners, and the components that the
+/// topology counter keeps.
+std::uint64_t least_copy_bytes(const SourceInfo& info, unsigned n_threads) {
+    // How many a soup has nobody knows before it is sorted: half as many as faces, if it is closed.
+    const std::uint64_t n_vertices =
+        info.is_indexed ? info.n_vertices : info.n_faces / 2 + info.n_faces / 8;
+    const std::uint64_t sets =
+        info.is_indexed ? copy_bytes(n_vertices) : streaming::Weld::bytes(info.n_faces);
     constexpr std::uint64_t kBuffersOfCopy = 24ULL << 20;
-    constexpr std::uint64_t kPerThread = 4ULL << 20;
     const std::uint64_t topology = n_vertices * (n_vertices >> 32 == 0 ? 4 : 8) + n_vertices / 8;
-    return ooc::MemoryBudget::kFixedBytes + kBuffersOfCopy + n_threads * kPerThread +
-           copy_bytes(n_vertices) + topology;
+    return ooc::MemoryBudget::kFixedBytes + kBuffersOfCopy + n_threads * kCopyBatchBytes + sets +
+           topology;
 }
 
 }  // namespace
@@ -159,9 +165,7 @@ void count_attributes(const SimplifyOptions& options, const SourceInfo& info,
 std::uint64_t least_limit(const SimplifyOptions& options, const SourceInfo& info) {
     constexpr std::uint64_t kMiB = 1 << 20;
     if (options.method == Method::Copy) {
-        const std::uint64_t n_vertices = info.is_indexed ? info.n_vertices : 3 * info.n_faces;
-        return (least_copy_bytes(n_vertices, ooc::thread_count(options.n_threads)) / kMiB + 1) *
-               kMiB;
+        return (least_copy_bytes(info, ooc::thread_count(options.n_threads)) / kMiB + 1) * kMiB;
     }
     MemoryCounts counts;
     counts.vertices = info.is_indexed ? info.n_vertices : 0;

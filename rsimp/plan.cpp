@@ -102,9 +102,11 @@ void plan_copy(const SourceInfo& info, const SimplifyOptions& options, PlanRepor
     report.least_memory_bytes = rsimp::least_limit(options, info);
     report.memory_bytes = report.least_memory_bytes;
     report.fits = report.least_memory_bytes <= report.memory_limit_bytes;
-    // The sorts that make vertices of a soup, where they do not fit.
-    constexpr std::uint64_t kSoupBytes = 200;
-    const std::uint64_t sorted = info.is_indexed ? 0 : kSoupBytes * info.n_faces;
+    // Where they do not fit: two of the sorts that make vertices of a soup; the corners for a
+    // format that has no indices.
+    const std::uint64_t per_face = info.is_indexed ? (info.has_double_positions ? 84 : 48)
+                                                   : (info.has_double_positions ? 144 : 108);
+    const std::uint64_t sorted = per_face * info.n_faces;
     const std::uint64_t free =
         report.memory_limit_bytes - std::min(report.memory_limit_bytes, report.least_memory_bytes);
     report.temp_bytes = sorted - std::min(sorted, free);

@@ -90,6 +90,15 @@ class Dereference {
         stream_joined(load, body);
     }
 
+    /// One pass on the calling thread, in the order of the file: what body() has seen stays seen,
+    /// so a file that is not known to be coherent is joined where memory does not hold it.
+    template <typename Body>
+    void for_batches_in_order(const Body& body) {
+        is_in_order_ = true;
+        if (coherence_ == Coherence::Unknown) coherence_ = Coherence::Scattered;
+        for_batches([] {}, body);
+    }
+
     /// What the passes so far have shown: for other passes over the source with no less memory,
     /// none of which will start over, then.
     [[nodiscard]] Coherence coherence() const {
@@ -120,10 +129,20 @@ class Dereference {
         context_.advance(batch.read.n_faces);
     }
 
+    /// stream(worker) on all threads, or on this one.
+    template <typename Stream>
+    void on_workers(const Stream& stream) {
+        if (is_in_order_) {
+            stream(0U);
+        } else {
+            context_.workers().on_each(stream);
+        }
+    }
+
     template <typename Body>
     void stream_soup(const Body& body) {
         source_.begin_triangles();
-        context_.workers().on_each([&](unsigned worker) {
+        on_workers([&](unsigned worker) {
             Batch batch;
             while (source_.next_triangles(batch.read)) {
                 batch.n = batch.read.points.size();
@@ -166,7 +185,7 @@ class Dereference {
             }
         });
         source_.begin_triangles();
-        context_.workers().on_each([&](unsigned worker) {
+        on_workers([&](unsigned worker) {
             stream_batches(
                 worker, [&](Batch& batch) { return source_.next_triangles(batch.read); },
                 [&](const Batch& batch, std::size_t i) {
@@ -182,7 +201,7 @@ class Dereference {
     bool stream_cached(const LoadVertices<Point>& load, const Body& body) {
         std::atomic<bool> is_thrashing{false};
         source_.begin_triangles();
-        context_.workers().on_each([&](unsigned worker) {
+        on_workers([&](unsigned worker) {
             VertexCache<Point> cache(context_, source_.info().n_vertices, load,
                                      memory_bytes_ / context_.n_threads());
             std::uint64_t n_seen = 0;
@@ -214,7 +233,7 @@ class Dereference {
     template <typename Body>
     void stream_joined(const LoadVertices<Point>& load, const Body& body) {
         CornerJoin<Point> join(context_, source_, load, memory_bytes_);
-        context_.workers().on_each([&](unsigned worker) {
+        on_workers([&](unsigned worker) {
             stream_batches(
                 worker, [&](Batch& batch) { return join.next(batch.read, batch.points); },
                 [](const Batch& batch, std::size_t i) { return batch.points[i]; }, body);
@@ -242,6 +261,7 @@ class Dereference {
     Encoder encoder_;
     std::uint64_t memory_bytes_;
     Coherence coherence_;
+    bool is_in_order_ = false;
 };
 
 }  // namespace hewer::streaming

@@ -86,12 +86,11 @@ InputDefects for_equal_corners(ooc::Context& context, MeshSource& soup, const Ta
         }
         defects.merge(batch.defects);
     });
-    ooc::Spool<Corner> placed = by_position.finish();
-    ooc::SpoolReader<Corner> reader(placed);
+    auto placed = by_position.stream();
     std::array<Real, 3> place{};
     std::uint64_t first = 0;
     bool is_begun = false;
-    while (const Corner* corner = reader.next()) {
+    while (const Corner* corner = placed.next()) {
         if (!is_begun || corner->position != place) {
             first = corner->number();
             place = corner->position;
@@ -99,10 +98,7 @@ InputDefects for_equal_corners(ooc::Context& context, MeshSource& soup, const Ta
         }
         take(place, first, corner->number());
         constexpr std::uint64_t kBetween = 1 << 16;
-        if (reader.position() % kBetween == 0) {
-            placed.discard_before(reader.position());
-            context.check_stop();
-        }
+        if (placed.n_left() % kBetween == 0) context.check_stop();
     }
     return defects;
 }

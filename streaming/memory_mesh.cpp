@@ -34,6 +34,7 @@ void InputDefects::merge(const InputDefects& other) {
     polygons += other.polygons;
     degenerate_triangles += other.degenerate_triangles;
     bad_weights += other.bad_weights;
+    trailing_bytes += other.trailing_bytes;
     keep_first(first_nonfinite, other.first_nonfinite);
     keep_first(first_out_of_range, other.first_out_of_range);
 }

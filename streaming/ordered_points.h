@@ -12,14 +12,15 @@
 
 namespace hewer::streaming {
 
-/// take(triangles) for pieces of them; those with a repeated corner, or one that is not finite, are
-/// left out. Unlike Dereference it keeps the order, on one thread.
-/// Memory: 24 bytes a vertex where that is a quarter of the limit at most; else two sorts, 16 bytes
-/// a corner of disk, then 32. The same result either way. Throws: as the source does,
-/// OutOfDiskBudget, Cancelled.
+using TakePoints = std::function<void(std::span<const std::array<Vec3, 3>>)>;
+
+/// take(triangles) for pieces of them, on one thread; those with a repeated corner, or one that is
+/// not finite, are left out. Memory: a quarter of the limit, or less if all vertices are in memory
+/// with that. Disk, if they are not: 16 bytes a corner (28 with double positions), see CornerJoin.
+/// The same result either way. Throws: as Dereference does.
 ///
 /// @param most_resident  vertices that may be held; 0: as the limit allows. For tests.
 void stream_points(ooc::Context& context, MeshSource& source, std::uint64_t most_resident,
-                   const std::function<void(std::span<const std::array<Vec3, 3>>)>& take);
+                   const TakePoints& take);
 
 }  // namespace hewer::streaming

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <array>
 #include <utility>
 
 #include "hewer/error.h"
@@ -124,6 +125,18 @@ class AsciiEncoding {
         }
         batch.corners.resize(static_cast<std::size_t>(fans.end() - batch.corners.data()));
         return fans.findings();
+    }
+
+    /// Blank lines say nothing.
+    std::uint64_t trailing_bytes(std::uint64_t offset) const {
+        std::array<unsigned char, 4096> bytes{};
+        while (const std::size_t n = file_.read_at(offset, bytes.data(), bytes.size())) {
+            const unsigned char* const end = bytes.data() + n;
+            const unsigned char* const first = skip_blanks(bytes.data(), end);
+            offset += static_cast<std::uint64_t>(first - bytes.data());
+            if (first != end) return file_.size() - offset;
+        }
+        return 0;
     }
 
     static std::string place(const RowShape& shape, const TextBlock& block, std::uint64_t row) {

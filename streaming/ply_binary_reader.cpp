@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <bit>
 #include <utility>
 
@@ -83,6 +84,10 @@ class BinaryEncoding {
                               const BinaryBlock& block, std::uint64_t n_vertices,
                               TriangleBatch& batch) const {
         return streaming::decode_faces(shape, swap_, list, id_type, n_vertices, block, batch);
+    }
+
+    std::uint64_t trailing_bytes(std::uint64_t offset) const {
+        return file_.size() - std::min(offset, file_.size());
     }
 
     std::string place(const RowShape& shape, const BinaryBlock& block, std::uint64_t row) const {

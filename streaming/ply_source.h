@@ -31,6 +31,7 @@ namespace hewer::streaming {
 ///   decode_faces(block, batch)              returns FaceFindings
 ///   place(element_shape, block, row)        "byte 1234" or "line 17"
 ///   can_seek(shape), read_rows(...)         rows by number, if they are all of one length
+///   trailing_bytes(offset)                  of what is from there on, if it says anything
 ///
 /// Elements stand one after the other, and where one begins is known only when those before it have
 /// been walked, if they have lists. Each start is remembered once it is known, most often as the
@@ -122,6 +123,12 @@ class PlySource final : public MeshSource {
         reporter_.report_faces(findings, batch, info_.n_vertices, [&](std::uint64_t row) {
             return encoding_.place(shape, *block, row);
         });
+        const bool is_last = layout_.face_element + 1 == header_.elements.size() &&
+                             block->first_row + block->n_rows == shape.n_rows;
+        if (is_last) {
+            batch.defects.trailing_bytes =
+                encoding_.trailing_bytes(Encoding::position(*face_reader_).offset);
+        }
         return true;
     }
 

@@ -90,17 +90,16 @@ class TopologyCounter::SortedCorners final : public WaitingCorners {
     }
 
     std::uint64_t judge(LinkTally& tally, const OnBorder& on_border) override {
-        const ooc::Spool<Corner> sorted = sorter_.finish();
-        ooc::SpoolReader<Corner> reader(sorted);
+        auto sorted = sorter_.stream();
         VertexLink<Id> link;
         std::vector<typename VertexLink<Id>::Opposite> faces;
         ooc::Reservation bytes;
         std::uint64_t n_vertices = 0;
-        while (const Corner* corner = reader.next()) {
+        while (const Corner* corner = sorted.next()) {
             const Id vertex = (*corner)[0];
             faces.assign(1, {(*corner)[1], (*corner)[2]});
-            while (reader.peek() != nullptr && (*reader.peek())[0] == vertex) {
-                corner = reader.next();
+            while (sorted.peek() != nullptr && (*sorted.peek())[0] == vertex) {
+                corner = sorted.next();
                 if (faces.size() >= kMostFacesUncounted &&
                     faces.size() * kBytesPerFace > bytes.bytes()) {
                     bytes.release();

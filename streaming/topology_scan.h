@@ -13,9 +13,9 @@ namespace hewer::streaming {
 /// whether their corners are finite or not.
 ///
 /// One pass over the triangles; a progress stage in faces is the caller's. Memory: 4 bytes a vertex
-/// (TopologyCounter) and a 32nd of the limit for sorting, at most 64 times Context::sort_bytes().
-/// Disk, where memory is short: 36 bytes a triangle, of a soup 60 before that (108 with double
-/// positions), and up to as much again while runs are merged. Any number of threads read, one
+/// (TopologyCounter) and a 32nd of the limit for sorting, at most 64 times Context::sort_bytes();
+/// of a soup also Weld's. Disk, where memory is short: 36 bytes a triangle, and of a soup what Weld
+/// takes. Any number of threads read, one
 /// counts. Throws: what the source throws, OutOfMemoryBudget, OutOfDiskBudget, Cancelled.
 TopologyReport count_topology(ooc::Context& context, MeshSource& source);
 

@@ -2,82 +2,71 @@
 #include "streaming/weld.h"
 
 #include <array>
-#include <functional>
-#include <utility>
+#include <vector>
 
-#include "ooc/external_sort.h"
 #include "streaming/equal_corners.h"
 
 namespace hewer::streaming {
 
-namespace {
-
-/// A corner, the first corner in its place, and the place.
-template <typename Real>
-struct UsedCorner {
-    std::uint64_t first;
-    std::uint64_t number;
-    std::array<Real, 3> position;
-
-    bool operator<(const UsedCorner& o) const {
-        return first != o.first ? first < o.first : number < o.number;
+Weld::Weld(ooc::Context& context, MeshSource& soup)
+    : context_(context),
+      soup_(soup),
+      firsts_(context.budget(), "vertices of a triangle soup", 3 * soup.info().n_faces),
+      by_number_(context, "corners by triangle", {}, ample_sort_bytes(context)) {
+    if (soup.info().has_double_positions) {
+        weld<double>();
+    } else {
+        weld<float>();
     }
-};
-
-/// A corner, and its vertex.
-using NumberedCorner = std::array<std::uint64_t, 2>;
-
-template <typename Real>
-WeldedMesh weld_as(ooc::Context& context, MeshSource& soup) {
-    WeldedMesh mesh{ooc::Spool<Vec3>(context, "welded vertices"),
-                    ooc::Spool<Triangle>(context, "welded triangles"),
-                    {}};
-    using Used = UsedCorner<Real>;
-    ooc::ExternalSorter<Used, std::less<>> by_first_use(context, "corners by first use", {},
-                                                        ample_sort_bytes(context));
-    mesh.defects = for_equal_corners<Real>(
-        context, soup,
-        [&](const std::array<Real, 3>& place, std::uint64_t first, std::uint64_t number) {
-            by_first_use.add(Used{first, number, place});
-        });
-    ooc::ExternalSorter<NumberedCorner, std::less<>> by_number(context, "corners by triangle", {},
-                                                               ample_sort_bytes(context));
-    constexpr std::uint64_t kBetween = 1 << 16;
-    {
-        ooc::Spool<Used> used = by_first_use.finish();
-        ooc::SpoolReader<Used> reader(used);
-        while (const Used* corner = reader.next()) {
-            if (corner->number == corner->first) {
-                const auto& p = corner->position;
-                mesh.positions.push({static_cast<double>(p[0]), static_cast<double>(p[1]),
-                                     static_cast<double>(p[2])});
-            }
-            by_number.add({corner->number, mesh.positions.size() - 1});
-            if (reader.position() % kBetween == 0) {
-                used.discard_before(reader.position());
-                context.check_stop();
-            }
-        }
-    }
-    ooc::Spool<NumberedCorner> corners = by_number.finish();
-    ooc::SpoolReader<NumberedCorner> reader(corners);
-    while (reader.peek() != nullptr) {
-        Triangle t{};
-        for (std::uint64_t& v : t) v = (*reader.next())[1];
-        mesh.triangles.push(t);
-        if (mesh.triangles.size() % kBetween == 0) {
-            corners.discard_before(reader.position());
-            context.check_stop();
-        }
-    }
-    return mesh;
+    n_vertices_ = firsts_.number();
 }
 
-}  // namespace
+template <typename Real>
+void Weld::weld() {
+    std::uint64_t n_corners = 0;
+    defects_ = for_equal_corners<Real>(
+        context_, soup_,
+        [&](const std::array<Real, 3>& place, std::uint64_t first, std::uint64_t number) {
+            by_number_.add({number, first});
+            ++n_corners;
+            if (number != first) return;
+            firsts_.insert(number);
+            bounds_.extend(Vec3{place[0], place[1], place[2]});
+        });
+    n_triangles_ = n_corners / 3;
+}
 
-WeldedMesh weld(ooc::Context& context, MeshSource& soup) {
-    return soup.info().has_double_positions ? weld_as<double>(context, soup)
-                                            : weld_as<float>(context, soup);
+void Weld::for_vertices(const std::function<void(std::span<const Vec3>)>& take) {
+    std::vector<Vec3> piece;
+    TriangleBatch batch;
+    soup_.begin_triangles();
+    while (soup_.next_triangles(batch)) {
+        piece.clear();
+        std::uint64_t number = 3 * batch.first_face;
+        for (const auto& t : batch.points) {
+            for (const Vec3& p : t) {
+                // Plus zero: -0 becomes 0.
+                if (firsts_.has(number++)) piece.push_back({p[0] + 0., p[1] + 0., p[2] + 0.});
+            }
+        }
+        take(piece);
+        context_.check_stop();
+    }
+}
+
+void Weld::for_triangles(const std::function<void(std::span<const Triangle>)>& take) {
+    constexpr std::size_t kPiece = 1 << 13;
+    std::vector<Triangle> piece;
+    auto corners = by_number_.stream();
+    while (corners.peek() != nullptr) {
+        piece.clear();
+        while (piece.size() < kPiece && corners.peek() != nullptr) {
+            Triangle& t = piece.emplace_back();
+            for (std::uint64_t& v : t) v = firsts_.rank(corners.next()->first);
+        }
+        take(piece);
+        context_.check_stop();
+    }
 }
 
 }  // namespace hewer::streaming

@@ -43,6 +43,27 @@ TEST(CliInput, that_is_no_mesh_is_a_format_error) {
     EXPECT_EQ(dir.list(), Names{"a.ply"});
 }
 
+TEST(CliInput, warns_of_a_second_file_behind_the_first_and_strict_refuses_it) {
+    const ScratchDir dir;
+    const std::string one =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    write_file(dir.file("two.ply"), one + one);
+    const std::vector<std::string> command = {
+        "simplify", dir.file("two.ply"), "-o", dir.file("a.ply"), "--ratio", "100%", "--force"};
+    const Outcome outcome = run_program(command);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    const std::string text = std::to_string(one.size()) + " bytes ";
+    EXPECT_NE(outcome.err.find(text + "behind the mesh were not read"), std::string::npos)
+        << outcome.err;
+    std::vector<std::string> strict = command;
+    strict.emplace_back("--strict");
+    const Outcome refused = run_program(strict);
+    EXPECT_EQ(refused.code, 4) << refused.err;
+    EXPECT_NE(refused.err.find(text + "are behind the mesh"), std::string::npos) << refused.err;
+}
+
 TEST(CliOutput, warns_of_what_its_format_and_hewer_do_not_carry) {
     const ScratchDir dir;
     write_file(dir.file("a.ply"),

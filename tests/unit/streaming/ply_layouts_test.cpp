@@ -294,6 +294,23 @@ TEST_P(PlyLayouts, CountsShortFacesAndKeepsTheRest) {
     EXPECT_EQ(back.n_faces, 5U);
 }
 
+TEST_P(PlyLayouts, CountsTheBytesBehindTheMesh) {
+    const PlyMesh mesh = random_mesh(17, 40000, 50000, 3);
+    PlyStyle s = style();
+    s.has_extra_elements = false;
+    s.has_strips = false;
+    s.faces_first = false;
+    const std::string whole = test::ply_file(mesh, s);
+    const test::TempDir dir;
+    const auto trailing = [&](const std::string& more) {
+        const auto source = open_mesh(dir.write("a.ply", whole + more));
+        return test::read_all(*source, 2).defects.trailing_bytes;
+    };
+    EXPECT_EQ(trailing(""), 0U);
+    EXPECT_EQ(trailing("ply\n"), 4U);
+    EXPECT_EQ(trailing(" \r\n"), s.format == "ascii" ? 0U : 3U);
+}
+
 TEST(AsciiPly, RowsNeedNotBeLines) {
     const test::TempDir dir;
     const PlyMesh mesh = random_mesh(14, 3000, 5000, 5);
