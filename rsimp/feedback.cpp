@@ -138,6 +138,7 @@ class Distances {
     [[nodiscard]] double gone_square() const { return kMostFar * kMostFar * spacing_ * spacing_; }
     /// As far as anything was looked for: what has this distance may have a larger one.
     [[nodiscard]] double reach_square() const { return kReach * kReach * spacing_ * spacing_; }
+    [[nodiscard]] double mean_square() const { return histogram_.mean_square(1); }
     [[nodiscard]] double spacing() const { return spacing_; }
     [[nodiscard]] double worst() const { return std::sqrt(static_cast<double>(worst_)); }
 
@@ -223,10 +224,12 @@ FeedbackResult feed_back(ooc::Context& context, const CellBlocks& cells, const M
     FeedbackResult result;
     result.cells = {context, "cells"};
     result.worst = distances.worst();
+    result.mean_square = distances.mean_square();
     const double bound = far_distance > 0 ? far_distance * far_distance : distances.far_square();
     const double gone = distances.gone_square();
+    result.has_vanished = result.worst * result.worst > gone;
     std::optional<FarDistances> far;
-    if (result.worst * result.worst > gone || !cells.vanished.empty()) {
+    if (result.has_vanished || !cells.vanished.empty()) {
         result.vanished = {context, "distances of what has vanished"};
         far.emplace(context, mesh, distances.spacing());
     }

@@ -16,6 +16,9 @@ struct FeedbackResult {
     ooc::Spool<cluster::CellRecord> cells;  ///< to be put in the place of those before
     ooc::Spool<float> vanished;             ///< the same: CellBlocks::vanished
     std::uint64_t n_far = 0;
+    bool has_vanished = false;  ///< some of the surface is not in the mesh at all
+    /// Of the distances of the cells' means from the mesh, by area, in cells; with the bound below.
+    double mean_square = 0;
     /// Largest distance of a cell's mean from the mesh, in cells; no more than two mean distances
     /// between vertices: farther is not told.
     double worst = 0;

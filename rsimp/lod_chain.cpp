@@ -41,14 +41,20 @@ TopologyReport LodChain::keep_topology() {
 LodChain::Result LodChain::next(const std::optional<CollapseTarget>& target) {
     Result result;
     report_.merges.clear();
-    report_.collapses = 0;
     Finisher& finisher = *start_.finisher;
     const auto collapse = [&] {
         if (!is_first_) finisher.begin(StoreInput(mesh_, finisher.first_cluster()), report_);
         is_first_ = false;
         mesh_ = finisher.run(target, with_merges_, report_);
     };
-    collapse();
+    if (start_.finished) {
+        mesh_ = std::move(*start_.finished);
+        start_.finished.reset();
+        is_first_ = false;
+    } else {
+        report_.collapses = 0;
+        collapse();
+    }
     if (target && !target->most_displacement) {
         while (!is_met(mesh_, *target) && !mesh_.faces.empty()) {
             const std::uint64_t before = report_.collapses;

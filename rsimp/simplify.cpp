@@ -43,31 +43,6 @@ std::vector<ooc::StageWeight> stage_weights(const SimplifyOptions& options) {
     return weights;
 }
 
-CollapseTarget collapse_target(const Target& target, const SimplifyReport& report) {
-    constexpr std::uint64_t kAny = std::numeric_limits<std::uint64_t>::max();
-    CollapseTarget t{kAny, kAny, {}};
-    switch (target.kind) {
-        case Target::Kind::Triangles:
-            t.most_triangles = static_cast<std::uint64_t>(target.value);
-            break;
-        case Target::Kind::Vertices:
-            t.most_vertices = static_cast<std::uint64_t>(target.value);
-            break;
-        case Target::Kind::Ratio:
-            // A hair more, so that 10 % of 1000 is 100 in spite of 0.1 not being a tenth.
-            t.most_triangles = static_cast<std::uint64_t>(
-                target.value * static_cast<double>(report.input.triangles) * (1 + 1e-12));
-            break;
-        case Target::Kind::Error:
-        case Target::Kind::RelativeError:
-            t.most_triangles = 0;
-            t.most_vertices = 0;
-            t.most_displacement = target_error(target, report.input.bounds) / report.grid.cell_size;
-            break;
-    }
-    return t;
-}
-
 bool is_same(const TopologyReport& a, const TopologyReport& b) {
     return a.components == b.components && a.euler == b.euler && a.border_loops == b.border_loops;
 }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "rsimp/start_mesh.h"
 
-#include "rsimp/border_samples.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,6 +11,7 @@
 #include "rsimp/aggregate_parts.h"
 #include "rsimp/block_fusion.h"
 #include "rsimp/block_refiner.h"
+#include "rsimp/border_samples.h"
 #include "rsimp/cell_weights.h"
 #include "rsimp/cluster_mesh_builder.h"
 #include "rsimp/clustering.h"
@@ -40,6 +39,9 @@ constexpr double kFinerGrid = 4;
 // The first splits of an error-bound run stop at this part of the bound; the collapse uses up the
 // rest.
 constexpr double kErrorShareOfTree = 0.5;
+// Of the mean square of the distances: a round of feedback that leaves more was the last one. Where
+// it brings less than that, the next one brings next to nothing most often, and may take it back.
+constexpr double kWorthAnotherRound = 0.64;
 
 Priority priority_of(const SimplifyOptions& options) {
     return options.priority == SplitPriority::NormalVariation ? Priority::NormalVariation
@@ -51,6 +53,35 @@ double budget(const SimplifyOptions& options, const SimplifyReport& report) {
     if (options.targets.empty()) return 0;
     return 2 * target_vertices(options.targets.front(), report.input.triangles);
 }
+
+}  // namespace
+
+CollapseTarget collapse_target(const Target& target, const SimplifyReport& report) {
+    constexpr std::uint64_t kAny = std::numeric_limits<std::uint64_t>::max();
+    CollapseTarget t{kAny, kAny, {}};
+    switch (target.kind) {
+        case Target::Kind::Triangles:
+            t.most_triangles = static_cast<std::uint64_t>(target.value);
+            break;
+        case Target::Kind::Vertices:
+            t.most_vertices = static_cast<std::uint64_t>(target.value);
+            break;
+        case Target::Kind::Ratio:
+            // A hair more, so that 10 % of 1000 is 100 in spite of 0.1 not being a tenth.
+            t.most_triangles = static_cast<std::uint64_t>(
+                target.value * static_cast<double>(report.input.triangles) * (1 + 1e-12));
+            break;
+        case Target::Kind::Error:
+        case Target::Kind::RelativeError:
+            t.most_triangles = 0;
+            t.most_vertices = 0;
+            t.most_displacement = target_error(target, report.input.bounds) / report.grid.cell_size;
+            break;
+    }
+    return t;
+}
+
+namespace {
 
 /// A start mesh and how many triangles a collapse could begin with.
 struct Attempt {
@@ -105,28 +136,38 @@ Attempt refine_to_budget(ooc::Context& context, const CellBlocks& cells,
     }
 }
 
-/// Finishes a mesh only to see where it is far from the cells, and begins again with these stiffer.
-Attempt improve(ooc::Context& context, CellBlocks& cells, const SimplifyOptions& options,
-                Attempt attempt, StageLog& stages, SimplifyReport& report) {
+/// Finishes a mesh to see where it is far from the cells, and begins again with these stiffer. Or
+/// stays with this mesh, if nothing is far, or nothing has vanished and the round before has
+/// brought little. Returns the mean square of the distances; that of the round before is `before`.
+double improve(ooc::Context& context, CellBlocks& cells, const SimplifyOptions& options,
+               double before, Attempt& attempt, StageLog& stages, SimplifyReport& report) {
     stages.begin("feedback", 0, "collapses");
-    const CollapseTarget target{static_cast<std::uint64_t>(budget(options, report)),
-                                std::numeric_limits<std::uint64_t>::max(),
-                                {}};
-    FinishReport unused;
-    Finisher& finisher = *attempt.start.finisher;
-    const MeshStore mesh = finisher.run(target, false, unused);
-    if (mesh.faces.empty()) return refine_to_budget(context, cells, options, stages, report);
+    StartMesh& start = attempt.start;
+    MeshStore mesh =
+        start.finisher->run(collapse_target(options.targets.front(), report), false, start.finish);
+    if (mesh.faces.empty()) {
+        attempt = {};
+        attempt = refine_to_budget(context, cells, options, stages, report);
+        return before;
+    }
     const double cell_size = cells.grid.cell_size(cells.lattice);
-    FeedbackResult result = feed_back(context, cells, mesh, finisher.first_cluster(),
+    FeedbackResult result = feed_back(context, cells, mesh, start.finisher->first_cluster(),
                                       options.feedback_distance / cell_size);
-    cells.cells = std::move(result.cells);
-    cells.vanished = std::move(result.vanished);
     FeedbackReport& feedback = report.feedback;
     feedback.far_cells = result.n_far;
     feedback.last_worst = cell_size * result.worst;
     if (feedback.rounds++ == 0) feedback.first_worst = feedback.last_worst;
+    const bool is_enough = result.n_far == 0 || (!result.has_vanished &&
+                                                 result.mean_square > kWorthAnotherRound * before);
+    if (is_enough && options.topology != Topology::Keep) {
+        start.finished = std::move(mesh);
+        return result.mean_square;
+    }
+    cells.cells = std::move(result.cells);
+    cells.vanished = std::move(result.vanished);
     attempt = {};
-    return refine_to_budget(context, cells, options, stages, report);
+    attempt = refine_to_budget(context, cells, options, stages, report);
+    return result.mean_square;
 }
 
 /// The uniform method: as many clusters as a closed surface needs for the budget. Where parts
@@ -214,8 +255,9 @@ StartMesh make_start_mesh(ooc::Context& context, MeshSource& source, const Simpl
         Attempt attempt = is_uniform ? fuse_to_budget(context, cells, options, stages, report)
                                      : refine_to_budget(context, cells, options, stages, report);
         const unsigned rounds = feedback_rounds(options);
-        for (unsigned i = 0; i < rounds; ++i) {
-            attempt = improve(context, cells, options, std::move(attempt), stages, report);
+        double distance = std::numeric_limits<double>::infinity();
+        for (unsigned i = 0; i < rounds && !attempt.start.finished; ++i) {
+            distance = improve(context, cells, options, distance, attempt, stages, report);
         }
         const double enough =
             (is_uniform ? kUniformLeast : kEnoughTriangles) * budget(options, report);

@@ -24,7 +24,7 @@ struct InputDefects {
     std::uint64_t short_faces = 0;             ///< dropped: a face of fewer than three corners
     std::uint64_t polygons = 0;                ///< kept: faces of more than three corners, fanned
     std::uint64_t degenerate_triangles = 0;    ///< repeated corner or zero area
-    std::uint64_t bad_weights = 0;  ///< of vertices: negative, no number, or above kMostWeight
+    std::uint64_t bad_weights = 0;     ///< of vertices: negative, no number, or above kMostWeight
     std::uint64_t trailing_bytes = 0;  ///< not read: behind the mesh, such as a second file
     /// Where the first of them was met: "vertex 17 (byte 1234)". Empty: none.
     std::string first_nonfinite;

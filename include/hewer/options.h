@@ -94,8 +94,8 @@ struct SimplifyOptions {
     /// cell of the grid. All weights multiply, and come to a thousandth at least.
     std::vector<FocusBox> focus{};
 
-    /// Rounds in which the places where the first LOD is far from the input are found, and the
-    /// budget is shared out again; 0: none. Unset: two for Full, none otherwise.
+    /// Rounds, at most, in which the places where the first LOD is far from the input are found,
+    /// and the budget is shared out again; 0: none. Unset: two for Full, none otherwise.
     std::optional<unsigned> feedback_rounds;
     /// What is farther than this, in model units, is far. 0: what is several times the common
     /// distance.
