@@ -24,7 +24,7 @@ void TrianglePartition::flush(std::size_t box) {
 void TrianglePartition::finish() {
     for (std::uint32_t b = 0; b < kBoxes; ++b) {
         flush(b);
-        waiting_[b] = {};
+        waiting_[b] = std::vector<LatticeTriangle>();
         std::uint32_t n_pieces = 0;
         for (std::uint64_t first = 0; first < boxes_[b].size(); first += kAtOnce, ++n_pieces) {
             const auto n = static_cast<std::uint32_t>(std::min(kAtOnce, boxes_[b].size() - first));

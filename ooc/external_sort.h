@@ -176,7 +176,7 @@ class ExternalSorter {
         return run;
     }
     void release_buffer() {
-        buffer_ = {};
+        buffer_ = std::vector<T>();  // of an empty list it would keep the memory
         bytes_.release();
     }
     Spool<T> merged(std::vector<Spool<T>> runs) {

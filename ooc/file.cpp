@@ -125,7 +125,7 @@ void OutputFile::write_at(std::uint64_t offset, const void* data, std::size_t by
 
 void OutputFile::commit() {
     flush();
-    buffer_ = {};
+    buffer_ = std::vector<char>();
     if (group_ != nullptr) {
         file_->check_written();
         group_->members_.push_back({std::move(file_), overwrite_});

@@ -60,7 +60,7 @@ TEST(CliInput, warns_of_a_second_file_behind_the_first_and_strict_refuses_it) {
     std::vector<std::string> strict = command;
     strict.emplace_back("--strict");
     const Outcome refused = run_program(strict);
-    EXPECT_EQ(refused.code, 4) << refused.err;
+    EXPECT_EQ(refused.code, 3) << refused.err;
     EXPECT_NE(refused.err.find(text + "are behind the mesh"), std::string::npos) << refused.err;
 }
 
