@@ -2,6 +2,7 @@
 #include "ooc/spool.h"
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <sys/mount.h>
 #include <unistd.h>
 
@@ -17,6 +18,7 @@
 #include "ooc/array.h"
 #include "ooc/external_sort.h"
 #include "ooc/parallel.h"
+#include "ooc/ranked_set.h"
 #include "ooc/spool_cache.h"
 #include "tests/support/shapes.h"
 #include "tests/support/temp_dir.h"
@@ -258,7 +260,90 @@ TEST(ExternalSorter, SortsLikeStdSortWithAnyBuffer) {
             std::vector<std::uint64_t> out(sorted.size());
             sorted.read(0, out);
             EXPECT_EQ(out, expected) << n << ' ' << buffer;
+
+            ExternalSorter<std::uint64_t, std::less<>> other(context, "numbers", {}, buffer);
+            other.add(values);
+            auto stream = other.stream();
+            EXPECT_EQ(stream.n_left(), n);
+            for (const std::uint64_t value : expected) {
+                ASSERT_NE(stream.peek(), nullptr);
+                ASSERT_EQ(*stream.peek(), value);
+                ASSERT_EQ(*stream.next(), value) << n << ' ' << buffer;
+            }
+            EXPECT_EQ(stream.n_left(), 0U);
+            EXPECT_EQ(stream.peek(), nullptr);
+            EXPECT_EQ(stream.next(), nullptr);
         }
+    }
+}
+
+TEST(ExternalSorter, HoldsNoMoreThanItsBufferAndGivesItBack) {
+    constexpr std::uint64_t kBuffer = 4 << 20;
+    Context context(tight(64 << 20, 64 << 10));
+    const std::uint64_t before = context.budget().used();
+    const auto heap_bytes = [] {
+        const struct mallinfo2 info = ::mallinfo2();
+        return info.uordblks + info.hblkhd;
+    };
+    const std::uint64_t heap_before = heap_bytes();
+    {
+        ExternalSorter<std::uint64_t, std::less<>> sorter(context, "numbers", {}, kBuffer);
+        EXPECT_EQ(context.budget().used(), before + kBuffer);
+        test::Random random(12);
+        for (std::uint64_t i = 0; i < 1'000'000; ++i) sorter.add(random.below(1'000'000));
+        auto stream = sorter.stream();
+        // The buffer is gone, from the heap as well as from the budget.
+        EXPECT_LT(heap_bytes(), heap_before + kBuffer / 2);
+        std::uint64_t last = 0;
+        while (const std::uint64_t* value = stream.next()) {
+            ASSERT_LE(last, *value);
+            last = *value;
+        }
+        // Nothing is left of the runs that were read: the buffers of their readers are.
+        EXPECT_LE(context.budget().used(), before + kBuffer);
+    }
+    EXPECT_EQ(context.budget().used(), before);
+}
+
+TEST(Spool, KeepsItsRecordsWhenSealed) {
+    for (const std::uint64_t n : {0U, 1U, 1000U, 40'000U}) {
+        for (const bool is_tight : {false, true}) {
+            Context context(tight(is_tight ? 2 << 20 : 64 << 20, 64 << 10));
+            Spool<std::array<std::uint32_t, 3>> spool(context, "triples");
+            for (std::uint32_t i = 0; i < n; ++i) spool.push({i, i + 1, i + 2});
+            spool.seal();
+            EXPECT_EQ(spool.size(), n);
+            SpoolReader<std::array<std::uint32_t, 3>> reader(spool);
+            for (std::uint32_t i = 0; i < n; ++i) {
+                const auto* record = reader.next();
+                ASSERT_NE(record, nullptr);
+                ASSERT_EQ((*record)[0], i);
+                ASSERT_EQ((*record)[2], i + 2);
+            }
+            EXPECT_EQ(reader.next(), nullptr);
+        }
+    }
+}
+
+TEST(RankedSet, CountsTheMembersBelow) {
+    test::Random random(13);
+    Context context(tight(64 << 20, 64 << 10));
+    for (const std::uint64_t n : {1U, 63U, 64U, 65U, 513U, 20'000U}) {
+        RankedSet set(context.budget(), "ids", n);
+        std::vector<bool> members(n);
+        for (std::uint64_t i = 0; i < n; ++i) {
+            if (random.below(3) != 0) continue;
+            set.insert(i);
+            members[i] = true;
+        }
+        const std::uint64_t size = set.number();
+        std::uint64_t below = 0;
+        for (std::uint64_t i = 0; i < n; ++i) {
+            EXPECT_EQ(set.rank(i), below);
+            EXPECT_EQ(set.has(i), members[i]);
+            if (members[i]) ++below;
+        }
+        EXPECT_EQ(size, below);
     }
 }
 
