@@ -97,7 +97,7 @@ class Copier {
         streaming::for_triangle_batches(context_, source_, [&](const TriangleBatch& batch) {
             kept.clear();
             for (const Triangle& t : batch.corners) {
-                if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
+                if (streaming::is_degenerate(t)) {
                     ++input_.defects.degenerate_triangles;
                 } else if (finite.has(t[0]) && finite.has(t[1]) && finite.has(t[2])) {
                     kept.push_back(t);
@@ -153,7 +153,7 @@ class Copier {
             kept.clear();
             for (const Triangle& t : batch.corners) {
                 // A vertex that is not finite is not used.
-                if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
+                if (streaming::is_degenerate(t)) continue;
                 if (!used.has(t[0]) || !used.has(t[1]) || !used.has(t[2])) continue;
                 kept.push_back({used.rank(t[0]), used.rank(t[1]), used.rank(t[2])});
             }
@@ -189,7 +189,7 @@ class Copier {
         while (source_.next_triangles(batch)) {
             kept.clear();
             for (const auto& t : batch.points) {
-                if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) kept.push_back(t);
+                if (!streaming::is_degenerate(t)) kept.push_back(t);
             }
             take(std::as_const(kept), std::as_const(batch));
             context_.check_stop();

@@ -25,6 +25,12 @@ inline std::uint64_t ample_sort_bytes(ooc::Context& context) {
            std::clamp<std::uint64_t>(context.budget().limit() / kShare / unit, 1, kMostBuffers);
 }
 
+/// Of corners by id or by place: two of them are the same.
+template <typename Corner>
+bool is_degenerate(const std::array<Corner, 3>& t) {
+    return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+}
+
 /// take(batch) for all triangles, one batch at a time, in any order, decoded on all threads.
 template <typename Take>
 void for_triangle_batches(ooc::Context& context, MeshSource& source, const Take& take) {
@@ -77,7 +83,7 @@ InputDefects for_equal_corners(ooc::Context& context, MeshSource& soup, const Ta
     for_triangle_batches(context, soup, [&](const TriangleBatch& batch) {
         std::uint64_t number = 3 * batch.first_face;
         for (const auto& t : batch.points) {
-            if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
+            if (is_degenerate(t)) {
                 ++defects.degenerate_triangles;
             } else {
                 for (std::size_t k = 0; k < 3; ++k) by_position.add(Corner(t[k], number + k));

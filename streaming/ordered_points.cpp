@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "streaming/dereference.h"
+#include "streaming/equal_corners.h"
 
 namespace hewer::streaming {
 
@@ -25,10 +26,6 @@ struct PlainEncoder {
         return !std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2]);
     }
 };
-
-bool is_degenerate(const Triangle& t) {
-    return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
-}
 
 template <typename Real>
 void stream_as(ooc::Context& context, MeshSource& source, std::uint64_t most_resident,
