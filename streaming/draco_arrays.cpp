@@ -41,9 +41,19 @@ std::uint64_t write_array(TemporaryInput& out, std::uint64_t n, const Fill& fill
     return offset;
 }
 
+/// An attribute of numbers, if there is one. Truth values are none: Draco reads any byte as a bool.
+const draco::PointAttribute* numbers(const draco::PointAttribute* attribute) {
+    const bool is_number = attribute != nullptr && attribute->data_type() != draco::DT_BOOL;
+    return is_number ? attribute : nullptr;
+}
+
+const draco::PointAttribute* find(const draco::Mesh& mesh, const std::optional<std::uint32_t>& id) {
+    return id ? numbers(mesh.GetAttributeByUniqueId(*id)) : nullptr;
+}
+
 const draco::PointAttribute* find(const draco::Mesh& mesh, const std::optional<std::uint32_t>& id,
                                   draco::GeometryAttribute::Type type) {
-    return id ? mesh.GetAttributeByUniqueId(*id) : mesh.GetNamedAttribute(type);
+    return id ? find(mesh, id) : numbers(mesh.GetNamedAttribute(type));
 }
 
 template <std::size_t N>
@@ -133,10 +143,8 @@ ArrayMesh decode_draco(const ooc::InputFile& file, std::uint64_t offset, std::ui
         require_whole(*mesh, positions, place);
         const auto* const normals = find(*mesh, ids.normals, draco::GeometryAttribute::NORMAL);
         const auto* const colors = find(*mesh, ids.colors, draco::GeometryAttribute::COLOR);
-        const auto* const texcoords =
-            ids.texcoords ? mesh->GetAttributeByUniqueId(*ids.texcoords) : nullptr;
-        const auto* const weights =
-            ids.weights ? mesh->GetAttributeByUniqueId(*ids.weights) : nullptr;
+        const auto* const texcoords = find(*mesh, ids.texcoords);
+        const auto* const weights = find(*mesh, ids.weights);
         TemporaryInput out(options);
         ArrayMesh arrays;
         const std::uint64_t n = mesh->num_points();
