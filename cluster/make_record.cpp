@@ -35,10 +35,6 @@ Chord border_chord(const CellSums& sums, const FixedPoint& fixed) {
     return {e, {value(3) * unit_moment, value(4) * unit_moment, value(5) * unit_moment}};
 }
 
-// Of a border quadric, before the weight that the user gives: what a border with the default weight
-// is worth against the surface, found by measurement (docs/fit.md).
-constexpr double kBorderScale = 4;
-
 /// The squared distance to the border line through the cell, weighted with the squared length of
 /// its chord: |x X E - M|^2.
 Quadric border_quadric(const CellSums& sums, const FixedPoint& fixed) {

@@ -10,6 +10,10 @@
 
 namespace hewer::cluster {
 
+/// Of a border quadric, before the weight that the user gives: what a border with the default
+/// weight is worth against the surface, found by measurement (docs/fit.md).
+inline constexpr double kBorderScale = 4;
+
 /// Border edges that do not cancel.
 bool has_border(const CellSums& sums);
 

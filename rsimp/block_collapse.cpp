@@ -87,8 +87,8 @@ class LevelCollapse {
     Collapse begin_block(std::size_t b) {
         Collapse begun{context_.budget().reserve("a block's collapse", bytes_for(b)), nullptr};
         const BlockMesh mesh = blocks_.load(b, b + 1);
-        begun.collapse =
-            std::make_unique<EdgeCollapse>(context_.workers(), mesh, need_.most_displacement);
+        begun.collapse = std::make_unique<EdgeCollapse>(context_.workers(), mesh,
+                                                        need_.most_displacement, need_.may_vanish);
         return begun;
     }
     Log run_block(const Collapse& block, const CollapseLimit& limit) {
@@ -124,7 +124,7 @@ class LevelCollapse {
             blocks_.size(), n_alive_, [&](std::uint64_t b) { return run_block(b, limit); },
             [&](std::uint64_t, const Log& log) {
                 for (const CollapseStep& step : log.steps) {
-                    n_got_ += need_.faces != 0 ? step.n_faces : 1;
+                    n_got_ += need_.faces != 0 ? step.n_faces : step.n_vertices;
                 }
                 if (!log.is_finished) ++n_unfinished_;
                 logs.append(log.steps);
@@ -161,7 +161,7 @@ class LevelCollapse {
             [&](std::uint64_t i, const Log& log) {
                 share += share_of(block(i));
                 for (const CollapseStep& step : log.steps) {
-                    keys.push_back({step.key, need_.faces != 0 ? step.n_faces : 1});
+                    keys.push_back({step.key, need_.faces != 0 ? step.n_faces : step.n_vertices});
                 }
             });
         std::sort(keys.begin(), keys.end(),

@@ -19,6 +19,9 @@ struct CollapseNeed {
     /// whatever can go without a vertex ending farther than this from a corner of its box, in cells
     std::optional<double> most_displacement;
 
+    /// Whole components may vanish where nothing of them can collapse any more.
+    bool may_vanish = false;
+
     [[nodiscard]] bool is_none() const { return faces == 0 && vertices == 0 && !most_displacement; }
 };
 

@@ -3,7 +3,9 @@
 /// triangles whose corners are in three different clusters.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -23,6 +25,14 @@ struct CollapseVertex {
     std::array<float, 6> box;  ///< low and high of the cells that it stands for
 };
 static_assert(sizeof(CollapseVertex) == 128);
+
+/// Makes a box reach as far as another one, too.
+inline void widen(std::array<float, 6>& box, const std::array<float, 6>& other) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        box[k] = std::min(box[k], other[k]);
+        box[3 + k] = std::max(box[3 + k], other[3 + k]);
+    }
+}
 
 /// Clusters have the order of the blocks that they come from; ids are places in that order.
 struct ClusterMesh {

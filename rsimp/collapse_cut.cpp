@@ -5,29 +5,58 @@
 #include <limits>
 #include <numeric>
 
+#include "rsimp/face_components.h"
+
 namespace hewer::rsimp {
 
-void apply_steps(BlockMesh& mesh, std::span<const CollapseStep> steps,
-                 std::vector<std::pair<VertexId, VertexId>>* merges) {
+namespace {
+
+/// Takes the components of the given vertices out of the mesh.
+std::vector<LostPart> take_out(BlockMesh& mesh, const std::vector<std::uint32_t>& vertices,
+                               std::vector<bool>& is_kept) {
+    const std::vector<std::uint32_t> label = component_labels(mesh.vertices.size(), mesh.faces);
+    std::vector<LostPart> lost;
+    std::vector<std::uint32_t> part(mesh.vertices.size(), kNoIndex);
+    for (const std::uint32_t v : vertices) {
+        part[label[v]] = static_cast<std::uint32_t>(lost.size());
+        lost.push_back({mesh.vertices[v].vertex.box, 0, 0});
+    }
+    for (std::uint32_t v = 0; v < label.size(); ++v) {
+        const std::uint32_t p = part[label[v]];
+        if (!is_kept[v] || p == kNoIndex) continue;
+        is_kept[v] = false;
+        lost[p].n_cells += mesh.vertices[v].n_cells;
+        widen(lost[p].box, mesh.vertices[v].vertex.box);
+    }
+    std::erase_if(mesh.faces, [&](const LocalFace& t) { return !is_kept[t[0]]; });
+    return lost;
+}
+
+}  // namespace
+
+std::vector<LostPart> apply_steps(BlockMesh& mesh, std::span<const CollapseStep> steps,
+                                  std::vector<std::pair<VertexId, VertexId>>* merges) {
     std::vector<std::uint32_t> parent(mesh.vertices.size());
     std::iota(parent.begin(), parent.end(), 0U);
     std::vector<bool> is_kept(mesh.vertices.size(), true);
+    std::vector<std::uint32_t> vanished;
     for (const CollapseStep& step : steps) {
+        if (step.kept == kNoIndex) {
+            vanished.push_back(step.gone);
+            continue;
+        }
         StoredVertex& kept = mesh.vertices[step.kept];
         const StoredVertex& gone = mesh.vertices[step.gone];
         kept.vertex.position = step.position;
         kept.vertex.quadric += gone.vertex.quadric;
-        for (std::size_t i = 0; i < 3; ++i) {
-            kept.vertex.box[i] = std::min(kept.vertex.box[i], gone.vertex.box[i]);
-            kept.vertex.box[3 + i] = std::max(kept.vertex.box[3 + i], gone.vertex.box[3 + i]);
-        }
+        widen(kept.vertex.box, gone.vertex.box);
         kept.n_cells += gone.n_cells;
         mesh.attributes.merge(step.kept, step.gone);
         parent[step.gone] = step.kept;
         is_kept[step.gone] = false;
         if (merges != nullptr) merges->emplace_back(gone.id, kept.id);
     }
-    if (steps.empty()) return;
+    if (steps.empty()) return {};
     const auto find = [&](std::uint32_t v) {
         while (parent[v] != v) v = parent[v] = parent[parent[v]];
         return v;
@@ -36,7 +65,10 @@ void apply_steps(BlockMesh& mesh, std::span<const CollapseStep> steps,
         for (std::uint32_t& v : t) v = find(v);
     }
     std::erase_if(mesh.faces, is_degenerate);
+    std::vector<LostPart> lost;
+    if (!vanished.empty()) lost = take_out(mesh, vanished, is_kept);
     keep_vertices(mesh, is_kept);
+    return lost;
 }
 
 CoreAndRim split_rim(BlockMesh mesh) {

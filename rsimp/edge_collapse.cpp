@@ -8,6 +8,7 @@
 #include "ooc/vec3.h"
 #include "rsimp/cluster_summary.h"
 #include "rsimp/edge_quadric.h"
+#include "rsimp/vanishing_cost.h"
 
 namespace hewer::rsimp {
 
@@ -18,6 +19,8 @@ constexpr float kNoCost = std::numeric_limits<float>::infinity();
 constexpr double kLeastCosine = 0.2;
 // Below this quality (1: equilateral) the cost is raised in proportion.
 constexpr double kPoorShape = 0.15;
+// Vertices of a component that may vanish at once.
+constexpr std::size_t kMostVanishing = 16;
 
 void gather_neighbours(const std::vector<LocalFace>& triangles,
                        const std::vector<std::uint32_t>& faces, std::uint32_t vertex,
@@ -43,8 +46,9 @@ bool contains(const LocalFace& t, std::uint32_t v) {
 }  // namespace
 
 EdgeCollapse::EdgeCollapse(ooc::Workers& workers, const BlockMesh& mesh,
-                           std::optional<double> most_displacement)
+                           std::optional<double> most_displacement, bool may_vanish)
     : most_displacement_(most_displacement),
+      may_vanish_(may_vanish),
       attributes_(mesh.attributes.quadrics),
       is_free_(mesh.vertices.size()),
       is_border_(mesh.vertices.size()),
@@ -310,8 +314,58 @@ void EdgeCollapse::check(std::uint32_t u) {
             best = {static_cast<float>(placement->cost), v};
         }
     }
+    if (best.partner == kNoIndex && may_vanish_ && gather_component(u)) {
+        best = {cost_of_component(), u};
+    }
     checked_[u] = ++clock_;
     queue(u, best);
+}
+
+/// The component of u may vanish: u is its first vertex, all of them are free, they are few, and
+/// there is more in the block than this component.
+bool EdgeCollapse::gather_component(std::uint32_t u) {
+    Scratch& s = scratch_;
+    s.component.assign(1, u);
+    s.component_faces.clear();
+    for (std::size_t i = 0; i < s.component.size(); ++i) {
+        gather_ring(s.component[i], s.ring);
+        for (const std::uint32_t f : s.ring) {
+            const LocalFace& t = faces_[f];
+            if (t[0] == s.component[i]) s.component_faces.push_back(f);
+            for (const std::uint32_t w : t) {
+                if (w < u || !is_free_[w]) return false;
+                if (std::find(s.component.begin(), s.component.end(), w) == s.component.end()) {
+                    if (s.component.size() == kMostVanishing) return false;
+                    s.component.push_back(w);
+                }
+            }
+        }
+    }
+    return n_faces_gone_ + s.component_faces.size() < faces_.size();
+}
+
+/// For each two faces, as all costs are.
+float EdgeCollapse::cost_of_component() {
+    if (!part_distance_) part_distance_.emplace(vertices_, faces_);
+    const Scratch& s = scratch_;
+    const double cost = vanishing_cost(vertices_, faces_, s.component, s.component_faces,
+                                       part_distance_->squared(s.component.front()));
+    return static_cast<float>(2 * cost / static_cast<double>(s.component_faces.size()));
+}
+
+void EdgeCollapse::vanish(std::uint32_t u) {
+    Scratch& s = scratch_;
+    if (!gather_component(u)) {  // by now it is the last
+        queue_.erase(u);
+        return;
+    }
+    for (const std::uint32_t f : s.component_faces) faces_[f] = {kNoIndex, kNoIndex, kNoIndex};
+    for (const std::uint32_t v : s.component) queue_.erase(v);
+    n_faces_gone_ += s.component_faces.size();
+    n_vertices_gone_ += s.component.size();
+    steps_.push_back({vertices_[u].position, kNoIndex, u, key_,
+                      static_cast<std::uint16_t>(s.component_faces.size()),
+                      static_cast<std::uint16_t>(s.component.size())});
 }
 
 void EdgeCollapse::collapse(std::uint32_t u, std::uint32_t v) {
@@ -322,10 +376,7 @@ void EdgeCollapse::collapse(std::uint32_t u, std::uint32_t v) {
     const CollapseVertex& gone = vertices_[v];
     kept.quadric += gone.quadric;
     if (!attributes_.empty()) attributes_[u] += attributes_[v];
-    for (std::size_t i = 0; i < 3; ++i) {
-        kept.box[i] = std::min(kept.box[i], gone.box[i]);
-        kept.box[3 + i] = std::max(kept.box[3 + i], gone.box[3 + i]);
-    }
+    widen(kept.box, gone.box);
     kept.position = position;
     is_border_[u] = is_border_[u] || is_border_[v];
     for (const std::uint32_t f : s.faces_v) {
@@ -344,7 +395,8 @@ void EdgeCollapse::collapse(std::uint32_t u, std::uint32_t v) {
     for (const std::uint32_t w : s.opposite) prune(w);
     queue_.erase(v);
     n_faces_gone_ += s.opposite.size();
-    steps_.push_back({position, u, v, key_, static_cast<std::uint32_t>(s.opposite.size())});
+    ++n_vertices_gone_;
+    steps_.push_back({position, u, v, key_, static_cast<std::uint16_t>(s.opposite.size()), 1});
 
     changed_[u] = ++clock_;
     s.ring.clear();
@@ -368,7 +420,7 @@ void EdgeCollapse::collapse(std::uint32_t u, std::uint32_t v) {
 
 void EdgeCollapse::run(const CollapseLimit& limit) {
     while (!queue_.empty() && n_faces_gone_ < limit.most_faces &&
-           steps_.size() < limit.most_vertices) {
+           n_vertices_gone_ < limit.most_vertices) {
         const std::uint32_t u = queue_.top();
         const float cost = queue_.top_key();
         if (std::max(cost, key_) > limit.most_key) break;
@@ -377,7 +429,12 @@ void EdgeCollapse::run(const CollapseLimit& limit) {
             continue;
         }
         key_ = std::max(key_, cost);
-        collapse(u, proposals_[u].partner);
+        const std::uint32_t v = proposals_[u].partner;
+        if (v == u) {
+            vanish(u);
+        } else {
+            collapse(u, v);
+        }
     }
 }
 

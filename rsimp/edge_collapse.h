@@ -12,16 +12,19 @@
 #include "rsimp/block_mesh.h"
 #include "rsimp/edge_quadric.h"
 #include "rsimp/indexed_heap.h"
+#include "rsimp/part_distance.h"
 
 namespace hewer::rsimp {
 
-/// One collapse: `gone` becomes `kept`, which moves to `position`.
+/// One collapse: `gone` becomes `kept`, which moves to `position`. Or, without `kept`: the whole
+/// component of `gone` vanishes.
 struct CollapseStep {
     Vec3 position;
-    std::uint32_t kept;
+    std::uint32_t kept;  ///< or kNoIndex
     std::uint32_t gone;
-    float key;              ///< the largest cost so far: never falls from step to step
-    std::uint32_t n_faces;  ///< that vanish: 2, at a border 1
+    float key;                 ///< the largest cost so far: never falls from step to step
+    std::uint16_t n_faces;     ///< that vanish: 2, at a border 1, or those of the component
+    std::uint16_t n_vertices;  ///< that vanish: 1, or those of the component
 };
 static_assert(sizeof(CollapseStep) == 40);
 
@@ -39,7 +42,9 @@ struct CollapseLimit {
 /// An edge is collapsed only if that keeps the mesh manifold and its type (link condition), and
 /// turns no face by more than 78 degrees. A border stays a border, and an inner vertex that goes
 /// into one of its vertices does not move it. With `most_displacement`, no vertex ends farther than
-/// that from any corner of its box, in cells.
+/// that from any corner of its box, in cells. Where nothing of a component of up to 16 free
+/// vertices can collapse any more, the component as a whole vanishes in its turn if that is allowed
+/// (rsimp/vanishing_cost.h), but never the last one of the block.
 ///
 /// The mesh given stays as it is; what was done is in steps(). A run that goes on makes the same
 /// steps as one that went through at once. One thread, but for the edges to begin with, which idle
@@ -47,7 +52,7 @@ struct CollapseLimit {
 class EdgeCollapse {
   public:
     EdgeCollapse(ooc::Workers& workers, const BlockMesh& mesh,
-                 std::optional<double> most_displacement);
+                 std::optional<double> most_displacement, bool may_vanish = false);
 
     void run(const CollapseLimit& limit);
 
@@ -57,7 +62,7 @@ class EdgeCollapse {
 
     static constexpr std::uint64_t bytes_for(std::uint64_t n_vertices, std::uint64_t n_faces,
                                              bool has_attribute_quadrics) {
-        return n_vertices * (128 + 4 + 8 + 8 + 20 + 40 +
+        return n_vertices * (128 + 4 + 8 + 8 + 20 + 40 + PartDistance::kBytesPerVertex +
                              (has_attribute_quadrics ? sizeof(cluster::AttributeQuadric) : 0)) +
                n_faces * (12 + 12);
     }
@@ -84,6 +89,8 @@ class EdgeCollapse {
         std::vector<std::uint32_t> around_w;
         std::vector<std::pair<double, std::uint32_t>> edges;
         std::vector<std::uint32_t> ring;
+        std::vector<std::uint32_t> component;  // vertices
+        std::vector<std::uint32_t> component_faces;
     };
 
     void build_corner_lists();
@@ -105,8 +112,12 @@ class EdgeCollapse {
     [[nodiscard]] bool keeps_type(std::uint32_t v);
     [[nodiscard]] double shape_penalty(std::uint32_t u, std::uint32_t v, const Vec3& x) const;
     void collapse(std::uint32_t u, std::uint32_t v);
+    bool gather_component(std::uint32_t u);
+    [[nodiscard]] float cost_of_component();
+    void vanish(std::uint32_t u);
 
     std::optional<double> most_displacement_;
+    bool may_vanish_;
     std::vector<CollapseVertex> vertices_;
     std::vector<cluster::AttributeQuadric> attributes_;  // empty where they do not count
     std::vector<bool> is_free_;
@@ -121,6 +132,8 @@ class EdgeCollapse {
     IndexedHeap queue_;
     std::vector<CollapseStep> steps_;
     std::uint64_t n_faces_gone_ = 0;
+    std::uint64_t n_vertices_gone_ = 0;
+    std::optional<PartDistance> part_distance_;  // from when the first component may vanish
     float key_ = 0;
     Scratch scratch_;
 };

@@ -13,6 +13,8 @@ namespace {
 // How far fans move towards their own neighbours, as a share of the way, so that sheets do not
 // touch.
 constexpr double kNudge = 0.02;
+// But at most so far, in cells: the neighbours of a huge triangle's corner are far away.
+constexpr double kFarthestNudge = 0.25;
 
 struct Nudge {
     Vec3 pull{};  // sum of the vectors to the neighbours
@@ -60,11 +62,12 @@ std::uint64_t add_fan_vertices(BlockMesh& mesh, const std::vector<std::uint32_t>
         if (!mesh.attributes.quadrics.empty()) mesh.attributes.quadrics[v] *= share;
         const Nudge& nudge = nudges[v];
         if (nudge.n == 0) continue;
-        vertex.position = vertex.position + (kNudge / nudge.n) * nudge.pull;
+        Vec3 step = (kNudge / nudge.n) * nudge.pull;
         const double area = std::sqrt(dot(nudge.normal, nudge.normal));
-        if (area > 0) {
-            vertex.position = vertex.position + (kNudge / 4 / std::sqrt(area)) * nudge.normal;
-        }
+        if (area > 0) step = step + (kNudge / 4 / std::sqrt(area)) * nudge.normal;
+        const double length = std::sqrt(dot(step, step));
+        if (length > kFarthestNudge) step = (kFarthestNudge / length) * step;
+        vertex.position = vertex.position + step;
     }
     return static_cast<std::uint64_t>(
         std::count_if(n_fans.begin(), n_fans.end(), [](std::uint32_t n) { return n > 1; }));

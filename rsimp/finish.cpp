@@ -139,6 +139,7 @@ class Finisher::Level {
         struct Cut {
             CoreAndRim parts;
             Merges merges;
+            std::vector<LostPart> lost;
         };
         std::uint64_t most = 0;
         for (std::size_t b = 0; b < n_blocks(); ++b) {
@@ -152,12 +153,14 @@ class Finisher::Level {
                 BlockMesh mesh = prepared_->load(b, b + 1);
                 const auto steps = logs.logs.load(b, logs.n_steps[b]);
                 Cut cut;
-                apply_steps(mesh, steps, with_merges ? &cut.merges : nullptr);
+                cut.lost = apply_steps(mesh, steps, with_merges ? &cut.merges : nullptr);
                 cut.parts = split_rim(std::move(mesh));
                 return cut;
             },
             [&](std::uint64_t b, Cut& cut) {
                 report.collapses += logs.n_steps[b];
+                append_lost(context, cut.lost, report.lost);
+                for (const LostPart& part : cut.lost) report.lost_cells += part.n_cells;
                 report.merges.insert(report.merges.end(), cut.merges.begin(), cut.merges.end());
                 count_rim(b, cut.parts.rim);
                 next_rims_->append(cut.parts.rim);
@@ -271,6 +274,7 @@ MeshStore Finisher::run(const std::optional<CollapseTarget>& target, bool with_m
             const std::uint64_t vertices =
                 excess(n_vertices + level_->n_vertices(), target->most_vertices);
             need.most_displacement = target->most_displacement;
+            need.may_vanish = target->may_vanish && !need.most_displacement;
             // An inner edge takes two faces with it.
             if (faces >= 2 * vertices) {
                 need.faces = share(faces);

@@ -21,6 +21,8 @@ struct CollapseTarget {
     std::uint64_t most_vertices = 0;
     /// No vertex may end farther than this from any corner of its box, in cells.
     std::optional<double> most_displacement;
+    /// Small components that can collapse no further may vanish, except under most_displacement.
+    bool may_vanish = true;
 };
 
 struct FinishReport {

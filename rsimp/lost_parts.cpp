@@ -115,10 +115,7 @@ void group(std::vector<LostPart>& parts, const PlaceFrame& frame, LostPlaces& pl
             groups.push_back({parts[i].box, 0});
         }
         Group& g = groups[group_of[root]];
-        for (std::size_t k = 0; k < 3; ++k) {
-            g.box[k] = std::min(g.box[k], parts[i].box[k]);
-            g.box[3 + k] = std::max(g.box[3 + k], parts[i].box[3 + k]);
-        }
+        widen(g.box, parts[i].box);
         if (is_counted[i]) g.n_cells += parts[i].n_cells;
     }
     for (const Group& g : groups) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <span>
 #include <tuple>
 #include <unordered_set>
@@ -13,6 +12,7 @@
 
 #include "ooc/vec3.h"
 #include "rsimp/duplicate_faces.h"
+#include "rsimp/face_components.h"
 #include "rsimp/fan_vertices.h"
 #include "rsimp/half_edges.h"
 
@@ -301,25 +301,13 @@ class Fans {
 /// fans.named().
 std::uint64_t drop_bubbles(const BlockMesh& mesh, Fans& fans) {
     std::vector<LocalFace>& named = fans.named();
-    std::vector<std::uint32_t> label(fans.n_vertices());
-    std::iota(label.begin(), label.end(), 0U);
-    const auto find = [&](std::uint32_t v) {
-        while (label[v] != v) v = label[v] = label[label[v]];
-        return v;
-    };
-    for (const LocalFace& t : named) {
-        for (std::size_t i = 1; i < 3; ++i) {
-            const std::uint32_t a = find(t[0]);
-            const std::uint32_t b = find(t[i]);
-            label[std::max(a, b)] = std::min(a, b);
-        }
-    }
+    const std::vector<std::uint32_t> label = component_labels(fans.n_vertices(), named);
     // Open and unfinished components count as large ones.
     std::vector<std::uint32_t> n_faces(label.size());
     constexpr std::uint32_t kLarge = 1U << 30;
     constexpr std::uint32_t kTriangleTwice = 2;  // faces
     for (std::size_t f = 0; f < named.size(); ++f) {
-        std::uint32_t& n = n_faces[find(named[f][0])];
+        std::uint32_t& n = n_faces[label[named[f][0]]];
         if (n < kLarge) ++n;
         for (std::size_t i = 0; i < 3; ++i) {
             const std::uint32_t flags = mesh.vertices[fans.origin(named[f][i])].flags;
@@ -332,7 +320,7 @@ std::uint64_t drop_bubbles(const BlockMesh& mesh, Fans& fans) {
     // The component with the most faces at each cluster; ties go to the lower label.
     std::vector<std::uint32_t> largest(mesh.vertices.size(), kNoIndex);
     for (std::uint32_t v = 0; v < label.size(); ++v) {
-        const std::uint32_t c = find(v);
+        const std::uint32_t c = label[v];
         std::uint32_t& best = largest[fans.origin(v)];
         if (best == kNoIndex || n_faces[c] > n_faces[best] ||
             (n_faces[c] == n_faces[best] && c < best)) {
@@ -341,13 +329,13 @@ std::uint64_t drop_bubbles(const BlockMesh& mesh, Fans& fans) {
     }
     std::vector<bool> is_bubble(label.size());
     for (std::uint32_t v = 0; v < label.size(); ++v) {
-        const std::uint32_t c = find(v);
+        const std::uint32_t c = label[v];
         const bool is_small = n_faces[c] <= kMostFacesOfBubble;
         if ((is_small && largest[fans.origin(v)] != c) || n_faces[c] == kTriangleTwice) {
             is_bubble[c] = true;
         }
     }
-    return std::erase_if(named, [&](const LocalFace& t) { return is_bubble[find(t[0])]; });
+    return std::erase_if(named, [&](const LocalFace& t) { return is_bubble[label[t[0]]]; });
 }
 
 }  // namespace

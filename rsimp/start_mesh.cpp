@@ -11,6 +11,7 @@
 #include "rsimp/aggregate_parts.h"
 #include "rsimp/block_fusion.h"
 #include "rsimp/block_refiner.h"
+#include "rsimp/border_corners.h"
 #include "rsimp/border_samples.h"
 #include "rsimp/cell_weights.h"
 #include "rsimp/cluster_mesh_builder.h"
@@ -58,7 +59,7 @@ double budget(const SimplifyOptions& options, const SimplifyReport& report) {
 
 CollapseTarget collapse_target(const Target& target, const SimplifyReport& report) {
     constexpr std::uint64_t kAny = std::numeric_limits<std::uint64_t>::max();
-    CollapseTarget t{kAny, kAny, {}};
+    CollapseTarget t{kAny, kAny, {}, report.options.topology != Topology::Keep};
     switch (target.kind) {
         case Target::Kind::Triangles:
             t.most_triangles = static_cast<std::uint64_t>(target.value);
@@ -228,6 +229,9 @@ StartMesh make_start_mesh(ooc::Context& context, MeshSource& source, const Simpl
         bool is_finest = false;
         CellBlocks cells =
             cluster_input(context, source, options, finer, stages, report, is_finest);
+        if (options.method == Method::Full) {
+            hold_border_corners(context, options.border_weight, cells);
+        }
         weigh_cells(context, options.focus, cells);
         cells = drop_parts(context, std::move(cells), options, report);
         cells = aggregate_parts(context, std::move(cells), options, report);

@@ -20,7 +20,7 @@ std::uint32_t bits_of(const CollapseStep& step) {
 std::vector<std::uint64_t> select_steps(const StepStore& logs, std::uint64_t n_faces,
                                         std::uint64_t n_vertices) {
     const auto weight = [&](const CollapseStep& step) -> std::uint64_t {
-        return n_faces != 0 ? step.n_faces : 1;
+        return n_faces != 0 ? step.n_faces : step.n_vertices;
     };
     const std::uint64_t wanted = n_faces != 0 ? n_faces : n_vertices;
     std::vector<std::uint64_t> chosen(logs.size());

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 
 #include "rsimp/edge_quadric.h"
+#include "rsimp/face_components.h"
 #include "rsimp/manifold.h"
 #include "rsimp/mesh_merge.h"
 
@@ -72,19 +72,7 @@ MeshStore WholeMesh::store() const {
 }
 
 void WholeMesh::drop_components(const CollapseTarget& target, FinishReport& report) {
-    std::vector<std::uint32_t> label(mesh_.vertices.size());
-    std::iota(label.begin(), label.end(), 0U);
-    const auto find = [&](std::uint32_t v) {
-        while (label[v] != v) v = label[v] = label[label[v]];
-        return v;
-    };
-    for (const LocalFace& t : mesh_.faces) {
-        for (std::size_t i = 1; i < 3; ++i) {
-            const std::uint32_t a = find(t[0]);
-            const std::uint32_t b = find(t[i]);
-            label[std::max(a, b)] = std::min(a, b);
-        }
-    }
+    const std::vector<std::uint32_t> label = component_labels(mesh_.vertices.size(), mesh_.faces);
     struct Component {
         double size_sq = 0;
         std::uint32_t label = 0;
@@ -97,20 +85,17 @@ void WholeMesh::drop_components(const CollapseTarget& target, FinishReport& repo
     std::vector<std::uint32_t> index(label.size(), kNoIndex);
     for (std::uint32_t v = 0; v < label.size(); ++v) {
         const std::array<float, 6>& box = mesh_.vertices[v].vertex.box;
-        std::uint32_t& at = index[find(v)];
+        std::uint32_t& at = index[label[v]];
         if (at == kNoIndex) {
             at = static_cast<std::uint32_t>(components.size());
-            components.push_back({0, find(v), 0, 0, 0, box});
+            components.push_back({0, label[v], 0, 0, 0, box});
         }
         Component& c = components[at];
         ++c.n_vertices;
         c.n_cells += mesh_.vertices[v].n_cells;
-        for (std::size_t k = 0; k < 3; ++k) {
-            c.box[k] = std::min(c.box[k], box[k]);
-            c.box[3 + k] = std::max(c.box[3 + k], box[3 + k]);
-        }
+        widen(c.box, box);
     }
-    for (const LocalFace& t : mesh_.faces) ++components[index[find(t[0])]].n_triangles;
+    for (const LocalFace& t : mesh_.faces) ++components[index[label[t[0]]]].n_triangles;
     for (Component& c : components) {
         for (std::size_t k = 0; k < 3; ++k) {
             const double d = static_cast<double>(c.box[3 + k]) - static_cast<double>(c.box[k]);
@@ -135,7 +120,7 @@ void WholeMesh::drop_components(const CollapseTarget& target, FinishReport& repo
     }
     append_lost(context_, lost, report.lost);
     std::vector<bool> is_kept(label.size());
-    for (std::uint32_t v = 0; v < label.size(); ++v) is_kept[v] = !is_dropped[find(v)];
+    for (std::uint32_t v = 0; v < label.size(); ++v) is_kept[v] = !is_dropped[label[v]];
     std::erase_if(mesh_.faces, [&](const LocalFace& t) { return !is_kept[t[0]]; });
     keep_vertices(mesh_, is_kept);
 }
@@ -160,10 +145,7 @@ bool WholeMesh::merge_regardless(const CollapseTarget& target, bool is_closed,
         const EdgeQuadric edge(kept.vertex, other.vertex);
         kept.vertex.position = edge.optimum;
         kept.vertex.quadric += other.vertex.quadric;
-        for (std::size_t i = 0; i < 3; ++i) {
-            kept.vertex.box[i] = std::min(kept.vertex.box[i], other.vertex.box[i]);
-            kept.vertex.box[3 + i] = std::max(kept.vertex.box[3 + i], other.vertex.box[3 + i]);
-        }
+        widen(kept.vertex.box, other.vertex.box);
         kept.n_cells += other.n_cells;
         merged.attributes.merge(u, v);
         is_kept[v] = false;

@@ -97,7 +97,7 @@ void prepare(Job job, FaultRun& run) {
         case Job::Full:
             make_scan(scan, {"--triangles", "150k", "--holes"});
             run.args = simplify(run, scan,
-                                {"--triangles", "75k", "--memory", "56MiB", "--method", "full"});
+                                {"--triangles", "100k", "--memory", "56MiB", "--method", "full"});
             return;
         case Job::Soup: {
             const std::string soup = run.inputs.file("scan.stl");

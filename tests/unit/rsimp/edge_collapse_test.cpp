@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -147,6 +148,55 @@ TEST(EdgeCollapse, ARunThatGoesOnMakesTheSameSteps) {
         EXPECT_GE(a.key, key);
         key = a.key;
     }
+}
+
+namespace {
+
+/// A sphere and single triangles of one size beside it, each twice as far away as the one before.
+Mesh sphere_and_flakes(std::size_t n_flakes) {
+    Mesh mesh = large(test::cube_sphere(6));
+    double x = 60;
+    for (std::size_t i = 0; i < n_flakes; ++i, x *= 2) {
+        Mesh flake;
+        flake.positions = {{x, 0, 0}, {x, 1, 0}, {x, 0, 1}};
+        flake.triangles = {{0, 1, 2}};
+        mesh = test::joined(std::move(mesh), flake);
+    }
+    return mesh;
+}
+
+std::vector<LostPart> collapse(BlockMesh& block, bool may_vanish, const CollapseLimit& limit) {
+    ooc::Workers workers(2);
+    EdgeCollapse collapse(workers, block, {}, may_vanish);
+    collapse.run(limit);
+    return apply_steps(block, collapse.steps(), nullptr);
+}
+
+}  // namespace
+
+TEST(EdgeCollapse, ComponentsVanishWholeAndNeverTheLastWhereThatIsAllowed) {
+    const Mesh mesh = sphere_and_flakes(6);
+    BlockMesh kept = test::free_block(mesh);
+    EXPECT_TRUE(collapse(kept, false, {}).empty());
+    EXPECT_EQ(kept.faces.size(), 4 + 6U);
+    BlockMesh last = test::free_block(mesh);
+    EXPECT_EQ(collapse(last, true, {}).size(), 6U);
+    const test::Counts counts = test::count(test::to_mesh(last));
+    EXPECT_TRUE(counts.is_clean());
+    EXPECT_TRUE(last.faces.size() == 4 || last.faces.size() == 1) << last.faces.size();
+}
+
+TEST(EdgeCollapse, WhatIsNearestToTheRestVanishesFirst) {
+    const BlockMesh block = test::free_block(sphere_and_flakes(6));
+    ooc::Workers workers(2);
+    EdgeCollapse collapse(workers, block, {}, true);
+    collapse.run({});
+    std::vector<double> places;
+    for (const CollapseStep& step : collapse.steps()) {
+        if (step.kept == kNoIndex) places.push_back(block.position(step.gone)[0]);
+    }
+    EXPECT_EQ(places.size(), 6U);
+    EXPECT_TRUE(std::is_sorted(places.begin(), places.end()));
 }
 
 TEST(EdgeCollapse, LeavesFrozenAndLockedVerticesAlone) {

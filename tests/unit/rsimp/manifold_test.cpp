@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <vector>
 
+#include "ooc/vec3.h"
 #include "rsimp/half_edges.h"
 #include "tests/support/mesh_checks.h"
 #include "tests/support/shapes.h"
@@ -107,6 +109,24 @@ TEST(MakeManifold, ABookIsTakenApartWithoutLosingAPage) {
         EXPECT_EQ(built.triangles.size(), mesh.triangles.size());
         EXPECT_GT(built.made.cut_vertices, 0U);
         EXPECT_GT(built.clusters.size(), mesh.positions.size());
+    }
+}
+
+TEST(MakeManifold, VerticesThatAreTakenApartStayWhereTheyWere) {
+    // Two triangles that touch in one corner, from a few cells to a country large.
+    for (const double size : {4.0, 1e3, 1e6}) {
+        Mesh mesh;
+        mesh.positions = {
+            {size, size, 7}, {0, size, 7}, {size, 0, 7}, {2 * size, size, 7}, {size, 2 * size, 7}};
+        mesh.triangles = {{0, 1, 2}, {0, 3, 4}};
+        BlockMesh block = test::raw_block(mesh);
+        EXPECT_EQ(make_manifold(block, false).cut_vertices, 1U);
+        ASSERT_EQ(block.vertices.size(), 6U);
+        for (const StoredVertex& v : block.vertices) {
+            const Vec3 step = v.vertex.position - mesh.positions[cluster_of(v.id)];
+            EXPECT_LE(std::sqrt(dot(step, step)), 0.25 + 1e-9) << "size " << size;
+        }
+        EXPECT_NE(block.position(0), block.position(1)) << "two sheets would touch";
     }
 }
 
