@@ -12,7 +12,7 @@ namespace hewer::rsimp {
 /// For each of `n` vertices the smallest vertex of its component; itself where it has no face.
 /// Faces have three corners each, below n.
 template <typename Faces>
-std::vector<std::uint32_t> component_labels(std::size_t n, Faces&& faces) {
+std::vector<std::uint32_t> component_labels(std::size_t n, const Faces& faces) {
     std::vector<std::uint32_t> label(n);
     std::iota(label.begin(), label.end(), 0U);
     const auto find = [&](std::uint32_t v) {

@@ -2,6 +2,7 @@
 #include "rsimp/finish.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -268,7 +269,8 @@ MeshStore Finisher::run(const std::optional<CollapseTarget>& target, bool with_m
         CollapseNeed need;
         if (target) {
             const auto share = [&](std::uint64_t n) {
-                return static_cast<std::uint64_t>(static_cast<double>(n) * level_->share() + 0.5);
+                return static_cast<std::uint64_t>(
+                    std::llround(static_cast<double>(n) * level_->share()));
             };
             const std::uint64_t faces = excess(n_faces + level_->n_faces(), target->most_triangles);
             const std::uint64_t vertices =

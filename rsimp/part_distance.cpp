@@ -2,7 +2,6 @@
 #include "rsimp/part_distance.h"
 
 #include <algorithm>
-#include <ranges>
 
 #include "rsimp/face_components.h"
 
@@ -12,13 +11,18 @@ namespace {
 
 constexpr std::size_t kNeighbours = 64;
 
-bool is_there(const LocalFace& t) {
-    return t[0] != kNoIndex;
+std::vector<LocalFace> faces_there(std::span<const LocalFace> faces) {
+    std::vector<LocalFace> there;
+    for (const LocalFace& t : faces) {
+        if (t[0] != kNoIndex) there.push_back(t);
+    }
+    return there;
 }
 
-std::vector<std::uint32_t> vertices_with_face(std::size_t n, std::span<const LocalFace> faces) {
+std::vector<std::uint32_t> vertices_of(std::size_t n, std::span<const LocalFace> faces) {
     std::vector<bool> has_face(n);
-    for (const LocalFace& t : faces | std::views::filter(is_there)) {
+    for (const LocalFace& t : faces) {
+        if (t[0] == kNoIndex) continue;
         for (const std::uint32_t v : t) has_face[v] = true;
     }
     std::vector<std::uint32_t> vertices;
@@ -40,8 +44,8 @@ std::vector<Vec3> positions_of(std::span<const CollapseVertex> vertices,
 
 PartDistance::PartDistance(std::span<const CollapseVertex> vertices,
                            std::span<const LocalFace> faces)
-    : part_(component_labels(vertices.size(), faces | std::views::filter(is_there))),
-      owner_(vertices_with_face(vertices.size(), faces)),
+    : part_(component_labels(vertices.size(), faces_there(faces))),
+      owner_(vertices_of(vertices.size(), faces)),
       points_(positions_of(vertices, owner_)),
       tree_(points_) {}
 

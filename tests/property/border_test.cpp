@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -104,8 +105,9 @@ Mesh rectangles(std::size_t n, std::uint64_t seed) {
     };
     Mesh mesh;
     for (std::size_t i = 0; i < n; ++i) {
-        const Vec3 a{60 * static_cast<double>(i % 8), 60 * static_cast<double>(i / 8 % 8),
-                     60 * static_cast<double>(i / 64)};
+        const std::array<std::size_t, 3> place{i % 8, i / 8 % 8, i / 64};
+        Vec3 a{};
+        for (std::size_t k = 0; k < 3; ++k) a[k] = 60 * static_cast<double>(place[k]);
         const Vec3 x = direction();
         Vec3 y = cross(x, direction());
         y = (number(5, 30) / std::sqrt(dot(y, y))) * y;
