@@ -47,6 +47,13 @@ double target_vertices(const Target& target, std::uint64_t n_input_faces) {
     return 0;
 }
 
+double wanted_cells(Method method, double vertices, std::uint64_t n_input_faces) {
+    if (method == Method::Uniform) return std::max(kFewestCells, kUniformCellsPerVertex * vertices);
+    const double fewest = std::clamp(static_cast<double>(n_input_faces) / kTrianglesPerCell,
+                                     kFewestCells, kMostOfFewest);
+    return std::max(fewest, kCellsPerVertex * vertices);
+}
+
 double target_error(const Target& target, const Bounds& bounds) {
     if (target.kind == Target::Kind::Error) return target.value;
     if (target.kind == Target::Kind::RelativeError) return target.value * bounds.diagonal();
@@ -54,13 +61,6 @@ double target_error(const Target& target, const Bounds& bounds) {
 }
 
 namespace {
-
-double wanted_cells(const SimplifyOptions& options, std::uint64_t n_input_faces) {
-    const double vertices = target_vertices(options.targets.front(), n_input_faces);
-    return std::max(
-        kFewestCells,
-        vertices * (options.method == Method::Uniform ? kUniformCellsPerVertex : kCellsPerVertex));
-}
 
 bool is_whole(const std::vector<Target>& targets) {
     return targets.size() == 1 && targets.front().kind == Target::Kind::Ratio &&
@@ -116,7 +116,8 @@ double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
             std::sqrt(finer) * resolution_of_cell(error / kCellsPerError, bounds, "--error"),
             cluster::UniformGrid::kMaxResolution);
     }
-    return sample.resolution_for(finer * wanted_cells(options, n_input_faces));
+    const double vertices = target_vertices(finest, n_input_faces);
+    return sample.resolution_for(finer * wanted_cells(options.method, vertices, n_input_faces));
 }
 
 unsigned feedback_rounds(const SimplifyOptions& options) {

@@ -20,6 +20,10 @@ inline constexpr std::uint64_t kVerticesWorthAll = 1'000'000;
 /// Targets, however small, get at least this many cells: less would save no time worth having, and
 /// parts that share a cell with others could not be told when they are lost.
 inline constexpr double kFewestCells = 50'000;
+/// But for the uniform method, inputs get at least one cell for so many of their triangles, up to
+/// kMostOfFewest: the cells take little of the time that reading so many takes.
+inline constexpr double kTrianglesPerCell = 16;
+inline constexpr double kMostOfFewest = 400'000;
 /// The same for the uniform method, which fuses them.
 inline constexpr double kUniformCellsPerVertex = 3;
 /// Clusters per vertex of the finest LOD at which refinement hands over to the edge collapse. Two
@@ -53,6 +57,9 @@ inline constexpr double kAttributeUnit = 0.01;
 
 /// Vertices that a target comes to, from the number of faces in the input. For Error targets: 0.
 double target_vertices(const Target& target, std::uint64_t n_input_faces);
+
+/// Cells that a finest LOD of so many vertices gets, for the methods Refine and Uniform.
+double wanted_cells(Method method, double vertices, std::uint64_t n_input_faces);
 
 /// Error bound of a target in model units; 0 for budgets.
 double target_error(const Target& target, const Bounds& bounds);

@@ -185,9 +185,9 @@ std::uint64_t least_limit(const SimplifyOptions& options, const SourceInfo& info
         counts.cells =
             options.method == Method::Full
                 ? most
-                : std::min(most, static_cast<std::uint64_t>(std::max(
-                                     kFewestCells,
-                                     kCellsPerVertex * static_cast<double>(counts.lod_vertices))));
+                : std::min(most, static_cast<std::uint64_t>(wanted_cells(
+                                     options.method, static_cast<double>(counts.lod_vertices),
+                                     info.n_faces)));
     }
     if (options.topology == Topology::Keep) {
         // Every vertex is a cluster, and the mesh of all of them is counted.
