@@ -139,7 +139,7 @@ void hold_border_corners(ooc::Context& context, double border_weight, CellBlocks
     in_flight.sweep<BlockCorners>(
         blocks.n_blocks(),
         [&](std::uint64_t b, BlockCorners& block) {
-            block.run(blocks, b, cluster::kBorderScale * border_weight);
+            block.run(blocks, b, kHeldShare * cluster::kBorderScale * border_weight);
         },
         [&](std::uint64_t, const BlockCorners& block) { held.append(block.cells); });
     blocks.cells = std::move(held);
