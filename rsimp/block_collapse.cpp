@@ -42,7 +42,7 @@ class LevelCollapse {
     }
 
     StepStore run() {
-        if (need_.most_displacement) return run_all({});
+        if (need_.rules.most_displacement) return run_all({});
         CollapseLimit limit;
         if (blocks_.size() == 1) {
             if (need_.faces != 0) {
@@ -87,8 +87,7 @@ class LevelCollapse {
     Collapse begin_block(std::size_t b) {
         Collapse begun{context_.budget().reserve("a block's collapse", bytes_for(b)), nullptr};
         const BlockMesh mesh = blocks_.load(b, b + 1);
-        begun.collapse = std::make_unique<EdgeCollapse>(context_.workers(), mesh,
-                                                        need_.most_displacement, need_.may_vanish);
+        begun.collapse = std::make_unique<EdgeCollapse>(context_.workers(), mesh, need_.rules);
         return begun;
     }
     Log run_block(const Collapse& block, const CollapseLimit& limit) {
@@ -203,7 +202,7 @@ CollapseLogs collapse_blocks(ooc::Context& context, const PieceStore& blocks,
         return none;
     }
     CollapseLogs result{LevelCollapse(context, blocks, n_open, need).run(), {}};
-    if (need.most_displacement) {
+    if (need.rules.most_displacement) {
         for (std::size_t b = 0; b < blocks.size(); ++b) {
             result.n_steps.push_back(result.logs.n_steps(b));
         }

@@ -3,10 +3,10 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "ooc/context.h"
+#include "rsimp/edge_collapse.h"
 #include "rsimp/piece_store.h"
 #include "rsimp/step_store.h"
 
@@ -16,13 +16,11 @@ namespace hewer::rsimp {
 struct CollapseNeed {
     std::uint64_t faces = 0;     ///< at least so many, or
     std::uint64_t vertices = 0;  ///< so many, or
-    /// whatever can go without a vertex ending farther than this from a corner of its box, in cells
-    std::optional<double> most_displacement;
+    CollapseRules rules;         ///< with a most displacement, whatever can go
 
-    /// Whole components may vanish where nothing of them can collapse any more.
-    bool may_vanish = false;
-
-    [[nodiscard]] bool is_none() const { return faces == 0 && vertices == 0 && !most_displacement; }
+    [[nodiscard]] bool is_none() const {
+        return faces == 0 && vertices == 0 && !rules.most_displacement;
+    }
 };
 
 struct CollapseLogs {

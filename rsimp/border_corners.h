@@ -7,6 +7,10 @@
 
 namespace hewer::rsimp {
 
+/// Enough to hold corners; all would hold every tooth of a ragged border, at the cost of the
+/// surface (docs/fit.md).
+inline constexpr double kHeldShare = 1.0 / 16;
+
 /// Adds to the quadric of each border cell what holds its vertex along the border.
 ///
 /// Without connectivity a vertex has the chord between its two border neighbours, and is held to
@@ -18,8 +22,7 @@ namespace hewer::rsimp {
 /// straight on. Where a border is sampled densely neighbouring chords see the turn, so this is for
 /// Method::Full, whose cells are vertices.
 ///
-/// kHeldShare of that is enough to hold corners; all of it would hold every tooth of a ragged
-/// border, at the cost of the surface (docs/fit.md).
+/// kHeldShare of that is added.
 ///
 /// Cells where more or less than one border edge arrives and one leaves (sheets that touch, and
 /// cells at the wall of a block with a triangle that has no other corner in it) stay as they are.
@@ -27,7 +30,6 @@ namespace hewer::rsimp {
 ///
 /// One sweep over the cells and faces. Memory: for each block in flight 72 bytes a cell and 84 a
 /// triangle.
-inline constexpr double kHeldShare = 1.0 / 16;
 void hold_border_corners(ooc::Context& context, double border_weight, cluster::CellBlocks& blocks);
 
 }  // namespace hewer::rsimp

@@ -45,10 +45,8 @@ bool contains(const LocalFace& t, std::uint32_t v) {
 
 }  // namespace
 
-EdgeCollapse::EdgeCollapse(ooc::Workers& workers, const BlockMesh& mesh,
-                           std::optional<double> most_displacement, bool may_vanish)
-    : most_displacement_(most_displacement),
-      may_vanish_(may_vanish),
+EdgeCollapse::EdgeCollapse(ooc::Workers& workers, const BlockMesh& mesh, const CollapseRules& rules)
+    : rules_(rules),
       attributes_(mesh.attributes.quadrics),
       is_free_(mesh.vertices.size()),
       is_border_(mesh.vertices.size()),
@@ -205,7 +203,8 @@ std::optional<EdgeCollapse::Placement> EdgeCollapse::place(std::uint32_t u, std:
     const Vec3& pv = vertices_[v].position;
     std::optional<Placement> best;
     const auto consider = [&](const Vec3& x) {
-        if (most_displacement_ && farthest_corner(edge.low, edge.high, x) > *most_displacement_) {
+        if (rules_.most_displacement &&
+            farthest_corner(edge.low, edge.high, x) > *rules_.most_displacement) {
             return;
         }
         const double cost = edge.cost(x);
@@ -314,7 +313,7 @@ void EdgeCollapse::check(std::uint32_t u) {
             best = {static_cast<float>(placement->cost), v};
         }
     }
-    if (best.partner == kNoIndex && may_vanish_ && gather_component(u)) {
+    if (best.partner == kNoIndex && rules_.may_vanish && gather_component(u)) {
         best = {cost_of_component(), u};
     }
     checked_[u] = ++clock_;
@@ -348,8 +347,10 @@ bool EdgeCollapse::gather_component(std::uint32_t u) {
 float EdgeCollapse::cost_of_component() {
     if (!part_distance_) part_distance_.emplace(vertices_, faces_);
     const Scratch& s = scratch_;
-    const double cost = vanishing_cost(vertices_, faces_, s.component, s.component_faces,
-                                       part_distance_->squared(s.component.front()));
+    const std::uint32_t first = s.component.front();
+    const double distance_sq = part_distance_->squared(first, vertices_[first].position);
+    const double cost =
+        vanishing_cost(vertices_, faces_, s.component, s.component_faces, distance_sq);
     return static_cast<float>(2 * cost / static_cast<double>(s.component_faces.size()));
 }
 

@@ -28,6 +28,14 @@ struct CollapseStep {
 };
 static_assert(sizeof(CollapseStep) == 40);
 
+/// What a collapse may do.
+struct CollapseRules {
+    /// No vertex may end farther than this from any corner of its box, in cells.
+    std::optional<double> most_displacement;
+    /// Small components that can collapse no further may vanish.
+    bool may_vanish = false;
+};
+
 /// Where a run of collapses ends; whichever comes first. Counts are from the first run on.
 struct CollapseLimit {
     float most_key = std::numeric_limits<float>::infinity();
@@ -41,8 +49,7 @@ struct CollapseLimit {
 ///
 /// An edge is collapsed only if that keeps the mesh manifold and its type (link condition), and
 /// turns no face by more than 78 degrees. A border stays a border, and an inner vertex that goes
-/// into one of its vertices does not move it. With `most_displacement`, no vertex ends farther than
-/// that from any corner of its box, in cells. Where nothing of a component of up to 16 free
+/// into one of its vertices does not move it. Where nothing of a component of up to 16 free
 /// vertices can collapse any more, the component as a whole vanishes in its turn if that is allowed
 /// (rsimp/vanishing_cost.h), but never the last one of the block.
 ///
@@ -51,8 +58,7 @@ struct CollapseLimit {
 /// threads help to look at. Memory: bytes_for().
 class EdgeCollapse {
   public:
-    EdgeCollapse(ooc::Workers& workers, const BlockMesh& mesh,
-                 std::optional<double> most_displacement, bool may_vanish = false);
+    EdgeCollapse(ooc::Workers& workers, const BlockMesh& mesh, const CollapseRules& rules);
 
     void run(const CollapseLimit& limit);
 
@@ -116,8 +122,7 @@ class EdgeCollapse {
     [[nodiscard]] float cost_of_component();
     void vanish(std::uint32_t u);
 
-    std::optional<double> most_displacement_;
-    bool may_vanish_;
+    CollapseRules rules_;
     std::vector<CollapseVertex> vertices_;
     std::vector<cluster::AttributeQuadric> attributes_;  // empty where they do not count
     std::vector<bool> is_free_;

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <tuple>
 
 #include "ooc/vec3.h"
+#include "rsimp/face_components.h"
 
 namespace hewer::rsimp {
 
@@ -36,27 +36,18 @@ std::vector<bool> kept_walls(std::span<const WallFace> faces, double distance) {
     std::sort(cells.begin(), cells.end());
     cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
     const auto place = [&](std::uint32_t cell) {
-        return static_cast<std::size_t>(std::lower_bound(cells.begin(), cells.end(), cell) -
-                                        cells.begin());
+        return static_cast<std::uint32_t>(std::lower_bound(cells.begin(), cells.end(), cell) -
+                                          cells.begin());
     };
-    std::vector<std::uint32_t> label(cells.size());
-    std::iota(label.begin(), label.end(), 0U);
-    const auto find = [&](std::size_t at) {
-        auto i = static_cast<std::uint32_t>(at);
-        while (label[i] != i) i = label[i] = label[label[i]];
-        return i;
-    };
+    std::vector<std::array<std::uint32_t, 3>> corners;
     for (const WallFace& f : faces) {
-        for (std::size_t k = 1; k < 3; ++k) {
-            const std::uint32_t a = find(place(f.cells[0]));
-            const std::uint32_t b = find(place(f.cells[k]));
-            label[std::max(a, b)] = std::min(a, b);
-        }
+        corners.push_back({place(f.cells[0]), place(f.cells[1]), place(f.cells[2])});
     }
+    const std::vector<std::uint32_t> label = component_labels(cells.size(), corners);
     std::vector<Patch> patches(cells.size());
     std::vector<Edge> edges;
     for (const WallFace& f : faces) {
-        const std::uint32_t p = find(place(f.cells[0]));
+        const std::uint32_t p = label[place(f.cells[0])];
         const Vec3 n = cross(f.corners[1] - f.corners[0], f.corners[2] - f.corners[0]);
         patches[p].area += 0.5 * std::sqrt(dot(n, n));
         // Of a cycle it does not matter from where the volume is seen; from near by it is exact.
@@ -82,7 +73,7 @@ std::vector<bool> kept_walls(std::span<const WallFace> faces, double distance) {
     }
     std::vector<bool> is_kept(faces.size());
     for (std::size_t f = 0; f < faces.size(); ++f) {
-        const Patch& patch = patches[find(place(faces[f].cells[0]))];
+        const Patch& patch = patches[label[place(faces[f].cells[0])]];
         const double most = kFlat * distance * 0.5 * patch.area;
         is_kept[f] = !patch.is_cycle || std::abs(patch.volume) > most;
     }

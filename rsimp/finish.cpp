@@ -275,8 +275,7 @@ MeshStore Finisher::run(const std::optional<CollapseTarget>& target, bool with_m
             const std::uint64_t faces = excess(n_faces + level_->n_faces(), target->most_triangles);
             const std::uint64_t vertices =
                 excess(n_vertices + level_->n_vertices(), target->most_vertices);
-            need.most_displacement = target->most_displacement;
-            need.may_vanish = target->may_vanish && !need.most_displacement;
+            need.rules = target->rules;
             // An inner edge takes two faces with it.
             if (faces >= 2 * vertices) {
                 need.faces = share(faces);

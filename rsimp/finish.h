@@ -10,6 +10,7 @@
 
 #include "ooc/context.h"
 #include "rsimp/block_input.h"
+#include "rsimp/edge_collapse.h"
 #include "rsimp/lost_parts.h"
 #include "rsimp/mesh_store.h"
 
@@ -19,10 +20,7 @@ namespace hewer::rsimp {
 struct CollapseTarget {
     std::uint64_t most_triangles = 0;
     std::uint64_t most_vertices = 0;
-    /// No vertex may end farther than this from any corner of its box, in cells.
-    std::optional<double> most_displacement;
-    /// Small components that can collapse no further may vanish, except under most_displacement.
-    bool may_vanish = true;
+    CollapseRules rules;
 };
 
 struct FinishReport {

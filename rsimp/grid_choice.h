@@ -14,6 +14,8 @@ namespace hewer::rsimp {
 /// Cells per vertex of the finest LOD. More cells see more of the surface and cost time;
 /// docs/quality.md has the measurements.
 inline constexpr double kCellsPerVertex = 7;
+/// The same for the uniform method, which fuses them.
+inline constexpr double kUniformCellsPerVertex = 3;
 /// Inputs with up to so many vertices are refined from the vertices themselves, unless told
 /// otherwise: that takes a second or two.
 inline constexpr std::uint64_t kVerticesWorthAll = 1'000'000;
@@ -24,8 +26,6 @@ inline constexpr double kFewestCells = 50'000;
 /// kMostOfFewest: the cells take little of the time that reading so many takes.
 inline constexpr double kTrianglesPerCell = 16;
 inline constexpr double kMostOfFewest = 400'000;
-/// The same for the uniform method, which fuses them.
-inline constexpr double kUniformCellsPerVertex = 3;
 /// Clusters per vertex of the finest LOD at which refinement hands over to the edge collapse. Two
 /// instead of three save a seventh of the time and cost 2 to 3 % of error.
 constexpr double clusters_per_vertex(Method method) {

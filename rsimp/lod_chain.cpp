@@ -55,7 +55,7 @@ LodChain::Result LodChain::next(const std::optional<CollapseTarget>& target) {
         report_.collapses = 0;
         collapse();
     }
-    if (target && !target->most_displacement) {
+    if (target && !target->rules.most_displacement) {
         while (!is_met(mesh_, *target) && !mesh_.faces.empty()) {
             const std::uint64_t before = report_.collapses;
             collapse();

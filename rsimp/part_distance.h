@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -22,15 +23,15 @@ class PartDistance {
     /// Faces of kNoIndex are gone; a vertex without a face is no point to be near to.
     PartDistance(std::span<const CollapseVertex> vertices, std::span<const LocalFace> faces);
 
-    /// Square of the distance of a vertex with a face from the nearest vertex of another component.
-    /// Where the 64 nearest are all of its own component, from the farthest of these.
-    double squared(std::uint32_t vertex);
+    /// Square of the distance of a vertex with a face, which is `at` a place by now, from the
+    /// nearest vertex of another component. Where the 64 nearest are all of its own component, from
+    /// the farthest of these.
+    double squared(std::uint32_t vertex, const Vec3& at);
 
   private:
-    std::vector<std::uint32_t> part_;   // by vertex
-    std::vector<std::uint32_t> owner_;  // vertex of each point
-    std::vector<Vec3> points_;
-    PointTree tree_;
+    std::vector<std::uint32_t> part_;    // by vertex
+    std::vector<std::uint32_t> vertex_;  // of each point
+    std::unique_ptr<PointTree> tree_;
     std::vector<std::size_t> found_;
     std::vector<double> distances_;
 };

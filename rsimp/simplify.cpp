@@ -176,7 +176,7 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const Simp
         std::optional<CollapseTarget> target;
         if (!is_free) {
             target = collapse_target(targets[i], report);
-            if (!target->most_displacement &&
+            if (!target->rules.most_displacement &&
                 target->most_vertices == std::numeric_limits<std::uint64_t>::max()) {
                 lod.target_triangles = target->most_triangles;
             }
@@ -197,7 +197,7 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const Simp
         }
         if (options.method != Method::Uniform) {
             stages.begin("unfold", 0, "faces");
-            lod.folded = chain.unfold(!(target && target->most_displacement));
+            lod.folded = chain.unfold(!(target && target->rules.most_displacement));
         }
         stages.begin("write", 0, "bytes");
         const std::unique_ptr<MeshSink> sink = sinks(i);

@@ -59,7 +59,7 @@ double budget(const SimplifyOptions& options, const SimplifyReport& report) {
 
 CollapseTarget collapse_target(const Target& target, const SimplifyReport& report) {
     constexpr std::uint64_t kAny = std::numeric_limits<std::uint64_t>::max();
-    CollapseTarget t{kAny, kAny, {}, report.options.topology != Topology::Keep};
+    CollapseTarget t{kAny, kAny, {{}, report.options.topology != Topology::Keep}};
     switch (target.kind) {
         case Target::Kind::Triangles:
             t.most_triangles = static_cast<std::uint64_t>(target.value);
@@ -76,7 +76,7 @@ CollapseTarget collapse_target(const Target& target, const SimplifyReport& repor
         case Target::Kind::RelativeError:
             t.most_triangles = 0;
             t.most_vertices = 0;
-            t.most_displacement = target_error(target, report.input.bounds) / report.grid.cell_size;
+            t.rules = {target_error(target, report.input.bounds) / report.grid.cell_size, false};
             break;
     }
     return t;

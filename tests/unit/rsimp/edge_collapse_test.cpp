@@ -109,7 +109,7 @@ TEST(EdgeCollapse, NoVertexLeavesItsBoxByMoreThanTheBound) {
     for (const double bound : {6.0, 12.0, 30.0}) {
         BlockMesh block = test::free_block(mesh);
         ooc::Workers workers(2);
-        EdgeCollapse collapse(workers, block, bound);
+        EdgeCollapse collapse(workers, block, {bound});
         collapse.run({});
         EXPECT_TRUE(collapse.is_finished());
         apply_steps(block, collapse.steps(), nullptr);
@@ -167,7 +167,7 @@ Mesh sphere_and_flakes(std::size_t n_flakes) {
 
 std::vector<LostPart> collapse(BlockMesh& block, bool may_vanish, const CollapseLimit& limit) {
     ooc::Workers workers(2);
-    EdgeCollapse collapse(workers, block, {}, may_vanish);
+    EdgeCollapse collapse(workers, block, {{}, may_vanish});
     collapse.run(limit);
     return apply_steps(block, collapse.steps(), nullptr);
 }
@@ -189,7 +189,7 @@ TEST(EdgeCollapse, ComponentsVanishWholeAndNeverTheLastWhereThatIsAllowed) {
 TEST(EdgeCollapse, WhatIsNearestToTheRestVanishesFirst) {
     const BlockMesh block = test::free_block(sphere_and_flakes(6));
     ooc::Workers workers(2);
-    EdgeCollapse collapse(workers, block, {}, true);
+    EdgeCollapse collapse(workers, block, {{}, true});
     collapse.run({});
     std::vector<double> places;
     for (const CollapseStep& step : collapse.steps()) {
