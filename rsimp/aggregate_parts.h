@@ -24,17 +24,14 @@ namespace hewer::rsimp {
 /// closes. Distances are those between means of cells: where triangles are much larger than the
 /// distance, surfaces may be nearer than any of their cells.
 ///
-/// Only cells in boxes of the distance's size that have cells of two parts in or next to them are
-/// looked at, up to kTileCells at a time with all within the distance around them
-/// (rsimp/foreign_neighbours.h): memory for each tile in work 160 bytes a cell, besides CellParts,
-/// 8 bytes a cell and 24 a box. Sweeps: those of CellParts, one over the cells, one over those of
-/// such boxes, one over everything to copy it. `most_cells` is that of the blocks, before and
-/// after. Fills report.aggregate. Neither threads nor memory show. Throws OutOfMemoryBudget (also
-/// where the distance holds more cells than memory has room for), OutOfDiskBudget, Cancelled.
+/// Close cells are found in tiles (rsimp/part_contacts.h): memory for each tile in work 160 bytes a
+/// cell, besides CellParts, 8 bytes a cell and 24 a box. Sweeps: those of CellParts, one over the
+/// cells, one over those of such boxes, one over everything to copy it. `most_cells` is that of the
+/// blocks, before and after. Fills report.aggregate. Neither threads nor memory show. Throws
+/// OutOfMemoryBudget (also where the distance holds more cells than memory has room for),
+/// OutOfDiskBudget, Cancelled.
 cluster::CellBlocks aggregate_parts(ooc::Context& context, cluster::CellBlocks cells,
                                     const SimplifyOptions& options, SimplifyReport& report,
                                     std::uint64_t most_cells = cluster::CellBlocks::kMostCells);
-
-inline constexpr std::uint64_t kTileCells = 1 << 14;
 
 }  // namespace hewer::rsimp

@@ -2,18 +2,15 @@
 #include "rsimp/border_corners.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <tuple>
 #include <vector>
 
 #include "cluster/make_record.h"
-#include "ooc/spool_cache.h"
 #include "ooc/vec3.h"
 #include "rsimp/blocks_in_flight.h"
-#include "rsimp/cell_mean.h"
+#include "rsimp/cell_means.h"
 
 namespace hewer::rsimp {
 
@@ -32,16 +29,13 @@ struct EdgeEnd {
 
 struct BlockCorners {
     std::vector<CellRecord> cells;
-    std::vector<std::uint64_t> codes;
     std::vector<CellTriple> faces;
     std::vector<EdgeEnd> ends;
 
-    static constexpr std::uint64_t kCacheBytes =
-        ooc::SpoolCache<std::uint64_t>::kBytes + ooc::SpoolCache<CellRecord>::kBytes;
-
     static std::uint64_t bytes_for(const LargestBlock& largest) {
-        return largest.n_cells * (sizeof(CellRecord) + sizeof(std::uint64_t)) +
-               largest.n_faces * (sizeof(CellTriple) + 6 * sizeof(EdgeEnd)) + kCacheBytes;
+        return largest.n_cells * (sizeof(CellRecord) + CellMeans::kBytesPerCell) +
+               largest.n_faces * (sizeof(CellTriple) + 6 * sizeof(EdgeEnd)) +
+               CellMeans::kCacheBytes;
     }
 
     void run(const CellBlocks& blocks, std::size_t b, double weight) {
@@ -50,13 +44,12 @@ struct BlockCorners {
         cells.resize(n);
         blocks.cells.read(first, std::span(cells));
         if (std::none_of(cells.begin(), cells.end(), is_border)) return;
-        codes.resize(n);
-        blocks.codes.read(first, std::span(codes));
         const std::uint64_t first_face = blocks.blocks[b].first_face;
         faces.resize(blocks.blocks[b + 1].first_face - first_face);
         blocks.faces.read(first_face, std::span(faces));
         gather_ends(first);
-        hold(blocks, first, weight);
+        CellMeans means(blocks, b);
+        hold(means, weight);
     }
 
   private:
@@ -90,25 +83,14 @@ struct BlockCorners {
         ends.resize(n);
     }
 
-    void hold(const CellBlocks& blocks, std::uint64_t first, double weight) {
-        std::optional<ooc::SpoolCache<std::uint64_t>> other_codes;
-        std::optional<ooc::SpoolCache<CellRecord>> other_cells;
-        const auto place_of = [&](std::uint32_t id) {
-            const std::uint64_t i = id - first;
-            if (i < cells.size()) return mean_of(codes[i], cells[i]);
-            if (!other_codes) {
-                other_codes.emplace(blocks.codes);
-                other_cells.emplace(blocks.cells);
-            }
-            return mean_of(other_codes->at(id), other_cells->at(id));
-        };
+    void hold(CellMeans& means, double weight) {
         for (std::size_t i = 0; i < ends.size();) {
             std::size_t j = i + 1;
             while (j < ends.size() && ends[j].cell == ends[i].cell) ++j;
             if (j == i + 2 && ends[i].n * ends[i + 1].n == -1) {
-                const Vec3 here = place_of(static_cast<std::uint32_t>(first + ends[i].cell));
-                hold_corner(cells[ends[i].cell], place_of(ends[i].other) - here,
-                            place_of(ends[i + 1].other) - here, weight);
+                const Vec3 here = means.at(means.first() + ends[i].cell);
+                hold_corner(cells[ends[i].cell], means.at(ends[i].other) - here,
+                            means.at(ends[i + 1].other) - here, weight);
             }
             i = j;
         }

@@ -28,7 +28,7 @@ inline constexpr double kHeldShare = 1.0 / 16;
 /// cells at the wall of a block with a triangle that has no other corner in it) stay as they are.
 /// Nothing happens if borders have no weight, or windings disagree.
 ///
-/// One sweep over the cells and faces. Memory: for each block in flight 72 bytes a cell and 84 a
+/// One sweep over the cells and faces. Memory: for each block in flight 164 bytes a cell and 84 a
 /// triangle.
 void hold_border_corners(ooc::Context& context, double border_weight, cluster::CellBlocks& blocks);
 
