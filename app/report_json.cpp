@@ -161,11 +161,9 @@ Json to_value(const GridReport& r) {
 }
 
 Json to_value(const FitReport& r) {
-    return {{"rounds", r.rounds},
-            {"first_move", r.first_move},
-            {"last_move", r.last_move},
-            {"distance", r.distance},
-            {"held", r.held}};
+    return {{"rounds", r.rounds},       {"first_move", r.first_move},
+            {"last_move", r.last_move}, {"distance", r.distance},
+            {"held", r.held},           {"flips", r.flips}};
 }
 
 Json to_value(const FeedbackReport& r) {

@@ -92,7 +92,8 @@ class Distances {
         : context_(context),
           cells_(cells),
           mesh_(mesh),
-          regions_(context, mesh, boxes_of(cells), first_cluster),
+          positions_(positions_of(context, mesh)),
+          regions_(context, mesh, positions_, boxes_of(cells), first_cluster),
           squared_(context, "distances of cells") {
         double area = 0;
         for (std::size_t r = 0; r < regions_.size(); ++r) area += make_room(r);
@@ -100,7 +101,6 @@ class Distances {
     }
 
     void measure() {
-        const ooc::Spool<Vec3> positions = positions_of(context_, mesh_);
         std::uint64_t most_cells = 0;
         for (std::size_t r = 0; r < regions_.size(); ++r) {
             most_cells = std::max(most_cells, last_cell(r) - first_cell(r));
@@ -117,7 +117,7 @@ class Distances {
             regions_.size(),
             [&](std::uint64_t r, Work& work) {
                 work.histogram = {};
-                measure_region(r, positions, work.squared, work.histogram);
+                measure_region(r, work.squared, work.histogram);
             },
             [&](std::uint64_t, const Work& work) {
                 squared_.append(work.squared);
@@ -171,11 +171,11 @@ class Distances {
         return area;
     }
 
-    void measure_region(std::size_t region, const ooc::Spool<Vec3>& positions,
-                        std::vector<float>& squared, DistanceHistogram& histogram) const {
+    void measure_region(std::size_t region, std::vector<float>& squared,
+                        DistanceHistogram& histogram) const {
         const double reach = kReach * spacing_;
         std::vector<std::uint64_t> vertices;
-        const MeshPiece piece = regions_.load(region, reach, positions, vertices);
+        const MeshPiece piece = regions_.load(region, reach, positions_, vertices);
         squared.assign(last_cell(region) - first_cell(region), 0.0F);
         if (piece.faces.empty()) return;  // too many of them
         std::vector<Point3f> points(piece.positions.size());
@@ -208,6 +208,7 @@ class Distances {
     ooc::Context& context_;
     const CellBlocks& cells_;
     const MeshStore& mesh_;
+    ooc::Spool<Vec3> positions_;
     MeshRegions regions_;
     ooc::Spool<float> squared_;  // by cell
     double spacing_ = 0;

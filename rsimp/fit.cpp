@@ -3,14 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "rsimp/blocks_in_flight.h"
 #include "rsimp/border_moves.h"
-#include "rsimp/face_window.h"
+#include "rsimp/edge_flips.h"
+#include "rsimp/face_exchange.h"
 #include "rsimp/fit_moves.h"
 #include "rsimp/mesh_regions.h"
+#include "rsimp/nearest_faces.h"
 #include "rsimp/sample_runs.h"
 
 namespace hewer::rsimp {
@@ -33,37 +36,50 @@ constexpr std::uint64_t kRegionsToBegin = 8;
 constexpr std::uint64_t kSamplesToBegin = 1 << 11;
 // How far around a region samples are looked at: a triangle's length.
 constexpr double kSampleReach = 2;
+// Edges flip in one of so many rounds: the first has most of what there is to gain.
+constexpr unsigned kRoundsPerFlip = 2;
 constexpr std::uint64_t kPiece = 1 << 12;
 
 class Fit {
   public:
-    Fit(ooc::Context& context, const MeshStore& mesh, const ooc::Spool<FitSample>& samples,
+    Fit(ooc::Context& context, MeshStore& mesh, const ooc::Spool<FitSample>& samples,
         const ooc::Spool<FitSample>& borders, std::span<const cluster::OctreeBox> boxes,
         std::span<const std::uint64_t> first_cluster, std::uint64_t lost_cells)
         : context_(context),
           mesh_(mesh),
-          regions_(context, mesh, boxes, first_cluster),
+          first_positions_(positions_of(context, mesh)),
+          regions_(context, mesh, first_positions_, boxes, first_cluster),
           samples_(context, samples, mesh.origin, mesh.vertices.size()),
           borders_(context, borders, mesh.origin, mesh.vertices.size()),
-          positions_(positions_of(context, mesh)),
           pull_(samples_.spacing() *
                 (static_cast<double>(lost_cells) > kMuchLost * static_cast<double>(samples.size())
                      ? kLeastPull
-                     : kMostDistance)) {
+                     : kMostDistance)),
+          flip_reach_(pull_) {
         set_pull(look());
     }
 
-    void round() {
-        const Pulled pulled = pull();
+    /// Flips edges before vertices move, if asked for.
+    void round(bool flips_edges) {
+        flips_edges_ = flips_edges;
+        std::optional<FaceExchange> exchange;
+        if (flips_edges_) exchange.emplace(context_);
+        const Pulled pulled = pull(exchange);
         distance_ = std::sqrt(pulled.distances.mean_square(1));
         set_pull(pulled.distances);
+        if (exchange && exchange->carry_out(mesh_)) {
+            regions_.find_boxes_of_faces(context_, first_positions_);
+        }
         apply(pulled.moves);
     }
 
-    [[nodiscard]] const ooc::Spool<Vec3>& positions() const { return positions_; }
+    [[nodiscard]] const ooc::Spool<Vec3>& positions() const {
+        return moved_.empty() ? first_positions_ : moved_;
+    }
     [[nodiscard]] double last_move() const { return last_move_; }
     [[nodiscard]] double distance() const { return distance_; }
     [[nodiscard]] std::uint64_t held() const { return held_; }
+    [[nodiscard]] std::uint64_t n_flips() const { return n_flips_; }
 
   private:
     static constexpr const char* kWhat = "regions of the fit";
@@ -72,11 +88,21 @@ class Fit {
     [[nodiscard]] double face_reach() const { return reach() + 2 * pull_; }
     [[nodiscard]] double reach() const { return kSampleReach * samples_.spacing(); }
 
-    /// Lets one of `share` samples pull the vertices of a region.
-    void pull(std::size_t r, const MeshPiece& piece, std::uint64_t share, FitMoves& sums) const {
+    /// visit(point, hit) for one of `share` samples around a region that have a face within
+    /// `most_distance`.
+    template <typename Visit>
+    void for_each_hit(std::size_t r, const MeshPiece& piece, double most_distance,
+                      const Visit& visit, std::uint64_t share = 1) const {
+        NearestFaces nearest(context_.workers(), piece);
         samples_.for_each(
             regions_.box(r), reach(), piece.centre,
-            [&](std::span<const WeightedPoint> points) { sums.pull(points); }, share);
+            [&](std::span<const WeightedPoint> points) {
+                const std::span<const FaceTree::Hit> hits = nearest.find(points, most_distance);
+                for (std::size_t i = 0; i < points.size(); ++i) {
+                    if (hits[i].face != FaceTree::kNone) visit(points[i], hits[i]);
+                }
+            },
+            share);
     }
 
     /// How far samples are from the mesh, by a few of them.
@@ -91,53 +117,104 @@ class Fit {
             [&](std::uint64_t i, DistanceHistogram& own) {
                 const std::uint64_t r = i * stride;
                 std::vector<std::uint64_t> vertices;
-                const MeshPiece piece = regions_.load(r, face_reach(), positions_, vertices);
-                FitMoves sums(context_.workers(), piece, pull_);
-                pull(r, piece, share, sums);
+                const MeshPiece piece = regions_.load(r, face_reach(), positions(), vertices);
+                FitMoves sums(piece, pull_);
+                for_each_hit(
+                    r, piece, pull_,
+                    [&](const WeightedPoint& point, const FaceTree::Hit& hit) {
+                        sums.pull(point, hit.face, hit.squared_distance);
+                    },
+                    share);
                 own = sums.distances();
             },
             [&](std::uint64_t, const DistanceHistogram& own) { all.add(own); });
         return all;
     }
 
+    struct RegionPull {
+        std::vector<Vec3> moves;
+        DistanceHistogram distances;
+        std::vector<std::pair<Face, Face>> exchanges;
+        std::uint64_t n_flips = 0;
+    };
+    /// How the samples would move the vertices of a region, once its edges are flipped.
+    void pull(std::size_t r, RegionPull& own) {
+        own = {};
+        std::vector<std::uint64_t> vertices;
+        std::vector<VertexId> ids;
+        MeshPiece piece =
+            regions_.load(r, face_reach(), positions(), vertices, flips_edges_ ? &ids : nullptr);
+        {
+            FitMoves sums(piece, pull_);
+            if (flips_edges_) {
+                flip_edges(r, ids, piece, sums, own);
+            } else {
+                for_each_hit(r, piece, pull_,
+                             [&](const WeightedPoint& point, const FaceTree::Hit& hit) {
+                                 sums.pull(point, hit.face, hit.squared_distance);
+                             });
+            }
+            own.moves = sums.moves();
+            own.distances = sums.distances();
+        }
+        // In the memory of the surface's tree.
+        BorderMoves borders(piece, kMostDistance * samples_.spacing());
+        if (!borders.has_border()) return;
+        borders_.for_each(regions_.box(r), reach(), piece.centre,
+                          [&](std::span<const WeightedPoint> points) { borders.pull(points); });
+        borders.replace(own.moves);
+    }
+
+    void flip_edges(std::size_t r, std::span<const VertexId> ids, MeshPiece& piece, FitMoves& sums,
+                    RegionPull& own) const {
+        EdgeFlips flips(piece);
+        for_each_hit(r, piece, flip_reach_,
+                     [&](const WeightedPoint& point, const FaceTree::Hit& hit) {
+                         if (flips.take(point, hit.face, hit.squared_distance)) return;
+                         sums.pull(point, hit.face, hit.squared_distance);
+                     });
+        const std::vector<EdgeFlips::Change> changes = flips.flip(context_.workers(), piece);
+        flips.for_each_point([&](const WeightedPoint& point, std::uint32_t face, float squared) {
+            sums.pull(point, face, squared);
+        });
+        own.n_flips = flips.n_flips();
+        const auto with_ids = [&](const LocalFace& face) {
+            return Face{ids[face[0]], ids[face[1]], ids[face[2]]};
+        };
+        for (const EdgeFlips::Change& change : changes) {
+            own.exchanges.emplace_back(with_ids(change.before), with_ids(change.after));
+        }
+    }
+
     struct Pulled {
         ooc::Spool<Vec3> moves;
         DistanceHistogram distances;
     };
-    /// How the samples would move all vertices.
-    Pulled pull() {
+    /// How the samples would move all vertices, and the faces that flips exchange for others.
+    Pulled pull(std::optional<FaceExchange>& exchange) {
         Pulled all{{context_, "moves of vertices"}, {}};
         const BlocksInFlight in_flight(context_, kWhat, region_bytes());
-        struct Result {
-            std::vector<Vec3> moves;
-            DistanceHistogram distances;
-        };
-        in_flight.sweep<Result>(
-            regions_.size(),
-            [&](std::uint64_t r, Result& own) {
-                std::vector<std::uint64_t> vertices;
-                const MeshPiece piece = regions_.load(r, face_reach(), positions_, vertices);
-                {
-                    FitMoves sums(context_.workers(), piece, pull_);
-                    pull(r, piece, 1, sums);
-                    own = {sums.moves(), sums.distances()};
-                }
-                // In the memory of the surface's tree.
-                BorderMoves borders(piece, kMostDistance * samples_.spacing());
-                if (!borders.has_border()) return;
-                borders_.for_each(
-                    regions_.box(r), reach(), piece.centre,
-                    [&](std::span<const WeightedPoint> points) { borders.pull(points); });
-                borders.replace(own.moves);
-            },
-            [&](std::uint64_t, const Result& own) {
+        in_flight.sweep<RegionPull>(
+            regions_.size(), [&](std::uint64_t r, RegionPull& own) { pull(r, own); },
+            [&](std::uint64_t, const RegionPull& own) {
                 all.moves.append(own.moves);
                 all.distances.add(own.distances);
+                for (const auto& [before, after] : own.exchanges) exchange->add(before, after);
+                n_flips_ += own.n_flips;
             });
         return all;
     }
     [[nodiscard]] std::uint64_t region_bytes() const {
-        return regions_.region_bytes(face_reach()) + FitMoves::kBufferBytes;
+        const std::uint64_t bytes =
+            regions_.region_bytes(face_reach(), flips_edges_ ? EdgeFlips::kBytesPerFace : 0) +
+            NearestFaces::kBufferBytes;
+        if (!flips_edges_) return bytes;
+        std::uint64_t most_points = 0;
+        for (std::size_t r = 0; r < regions_.size(); ++r) {
+            most_points = std::max(most_points, samples_.points_at_most(regions_.box(r), reach()));
+        }
+        return bytes + most_points * EdgeFlips::kBytesPerPoint +
+               MeshRegions::kMostVertices * sizeof(VertexId);
     }
 
     /// For the next round; never farther than before.
@@ -161,13 +238,13 @@ class Fit {
             regions_.size(),
             [&](std::uint64_t r, Result& result) {
                 std::vector<std::uint64_t> vertices;
-                const MeshPiece piece = regions_.load(r, 0, positions_, vertices);
+                const MeshPiece piece = regions_.load(r, 0, positions(), vertices);
                 const std::vector<Vec3> all = read_places(moves, vertices);
                 const std::vector<bool> is_held =
-                    held_vertices(piece, read_positions(mesh_, vertices), all);
+                    held_vertices(piece, read_places(first_positions_, vertices), all);
                 result = {};
                 result.positions.resize(piece.n_own);
-                positions_.read(regions_.first_vertex(r), result.positions);
+                positions().read(regions_.first_vertex(r), result.positions);
                 for (std::uint32_t v = 0; v < piece.n_own; ++v) {
                     if (is_held[v]) {
                         ++result.held;
@@ -183,17 +260,21 @@ class Fit {
                 squares += result.squares;
                 context_.advance(result.positions.size());
             });
-        positions_ = std::move(moved);
-        last_move_ = std::sqrt(squares / static_cast<double>(positions_.size()));
+        moved_ = std::move(moved);
+        last_move_ = std::sqrt(squares / static_cast<double>(moved_.size()));
     }
 
     ooc::Context& context_;
-    const MeshStore& mesh_;
+    MeshStore& mesh_;
+    ooc::Spool<Vec3> first_positions_;
     MeshRegions regions_;
     SampleRuns samples_;
     SampleRuns borders_;
-    ooc::Spool<Vec3> positions_;
+    ooc::Spool<Vec3> moved_;
     double pull_;  // up to this distance
+    double flip_reach_;
+    bool flips_edges_ = false;
+    std::uint64_t n_flips_ = 0;
     double last_move_ = 0;
     double distance_ = 0;
     std::uint64_t held_ = 0;
@@ -201,21 +282,20 @@ class Fit {
 
 }  // namespace
 
-ooc::Spool<StoredVertex> fit(ooc::Context& context, const MeshStore& mesh,
-                             const ooc::Spool<FitSample>& samples,
-                             const ooc::Spool<FitSample>& borders,
-                             std::span<const cluster::OctreeBox> boxes,
-                             std::span<const std::uint64_t> first_cluster, std::uint64_t lost_cells,
-                             unsigned rounds, FitReport& report) {
+void fit(ooc::Context& context, MeshStore& mesh, const ooc::Spool<FitSample>& samples,
+         const ooc::Spool<FitSample>& borders, std::span<const cluster::OctreeBox> boxes,
+         std::span<const std::uint64_t> first_cluster, std::uint64_t lost_cells,
+         const FitSteps& steps, FitReport& report) {
     Fit fit(context, mesh, samples, borders, boxes, first_cluster, lost_cells);
-    report.rounds = rounds;
-    for (unsigned i = 0; i < rounds; ++i) {
-        fit.round();
+    report.rounds = steps.rounds;
+    for (unsigned i = 0; i < steps.rounds; ++i) {
+        fit.round(steps.flips_edges && i % kRoundsPerFlip == 0);
         if (i == 0) report.first_move = fit.last_move();
     }
     report.last_move = fit.last_move();
     report.distance = fit.distance();
     report.held = fit.held();
+    report.flips = fit.n_flips();
     ooc::Spool<StoredVertex> result(context, "vertices");
     std::vector<StoredVertex> vertices;
     std::vector<Vec3> positions;
@@ -230,7 +310,7 @@ ooc::Spool<StoredVertex> fit(ooc::Context& context, const MeshStore& mesh,
         result.append(vertices);
         context.check_stop();
     }
-    return result;
+    mesh.vertices = std::move(result);
 }
 
 }  // namespace hewer::rsimp

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "rsimp/damped_solve.h"
+#include "rsimp/triangle_foot.h"
 
 namespace hewer::rsimp {
 
@@ -28,61 +29,10 @@ constexpr double kMostTurnOfAll = 0.17;
 // 15 degrees more are still allowed after this.
 constexpr double kHardlyTurned = 0.45;
 constexpr double kTiny = 1e-12;
-// Points that one thread looks for the faces of.
-constexpr std::size_t kPointsPerSearch = 256;
-
-struct Foot {
-    std::array<double, 3> weights;
-    bool is_inside;
-};
-
-/// The nearest point of a triangle, by its barycentric weights.
-Foot foot_of(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-    const Vec3 ab = b - a;
-    const Vec3 ac = c - a;
-    const Vec3 ap = p - a;
-    const double ab_ab = dot(ab, ab);
-    const double ab_ac = dot(ab, ac);
-    const double ac_ac = dot(ac, ac);
-    const double along_b = dot(ap, ab);
-    const double along_c = dot(ap, ac);
-    const double det = ab_ab * ac_ac - ab_ac * ab_ac;
-    if (det > 1e-10 * ab_ab * ac_ac) {
-        const double v = (ac_ac * along_b - ab_ac * along_c) / det;
-        const double w = (ab_ab * along_c - ab_ac * along_b) / det;
-        if (v >= 0 && w >= 0 && v + w <= 1) return {{1 - v - w, v, w}, true};
-    }
-    Foot best{};
-    double least = -1;
-    const auto try_edge = [&](std::size_t from, std::size_t to, const Vec3& start,
-                              const Vec3& end) {
-        const Vec3 edge = end - start;
-        const double length = dot(edge, edge);
-        const double t = length > 0 ? std::clamp(dot(p - start, edge) / length, 0.0, 1.0) : 0;
-        const Vec3 d = p - (start + t * edge);
-        const double squared = dot(d, d);
-        if (least >= 0 && squared >= least) return;
-        least = squared;
-        best = {};
-        best.weights[from] = 1 - t;
-        best.weights[to] += t;
-    };
-    try_edge(0, 1, a, b);
-    try_edge(1, 2, b, c);
-    try_edge(2, 0, c, a);
-    return best;
-}
 
 Vec3 unit(const Vec3& v) {
     const double length = std::sqrt(dot(v, v));
     return length > kTiny ? (1 / length) * v : Vec3{};
-}
-
-std::vector<Point3f> to_single(std::span<const Vec3> points) {
-    std::vector<Point3f> result(points.size());
-    std::transform(points.begin(), points.end(), result.begin(),
-                   [](const Vec3& p) { return rsimp::to_single(p); });
-    return result;
 }
 
 Vec3 normal_of(const std::array<Vec3, 3>& p) {
@@ -134,40 +84,21 @@ void FitMoves::Pull::add(const Vec3& n, double d, double weight) {
     residual = residual + (weight * d) * n;
 }
 
-FitMoves::FitMoves(ooc::Workers& workers, const MeshPiece& piece, double most_distance)
-    : workers_(workers),
-      piece_(piece),
+FitMoves::FitMoves(const MeshPiece& piece, double most_distance)
+    : piece_(piece),
       most_(static_cast<float>(most_distance * most_distance)),
-      tree_(to_single(piece.positions), piece.faces),
       pulls_(piece.n_own) {}
 
-void FitMoves::pull(std::span<const WeightedPoint> points) {
-    if (piece_.faces.empty()) return;
-    hits_.resize(points.size());
-    workers_.for_ranges(points.size(), kPointsPerSearch, [&](std::size_t begin, std::size_t end) {
-        std::array<Point3f, kPointsPerSearch> places;
-        for (std::size_t i = begin; i < end; ++i) places[i - begin] = points[i].position;
-        std::uint32_t guess = guess_;
-        tree_.nearest(std::span(places).first(end - begin), most_, guess,
-                      std::span(hits_).subspan(begin, end - begin));
-    });
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        if (hits_[i].face == FaceTree::kNone) continue;
-        guess_ = hits_[i].slot;
-        add(points[i], hits_[i]);
-    }
-}
-
-void FitMoves::add(const WeightedPoint& point, const FaceTree::Hit& hit) {
+void FitMoves::pull(const WeightedPoint& point, std::uint32_t nearest_face, float squared) {
     const std::uint32_t n_own = piece_.n_own;
-    const LocalFace& face = piece_.faces[hit.face];
-    if (face[0] >= n_own && face[1] >= n_own && face[2] >= n_own) return;
-    distances_.add(hit.squared_distance, point.weight);
+    const LocalFace& face = piece_.faces[nearest_face];
+    if (squared > most_ || (face[0] >= n_own && face[1] >= n_own && face[2] >= n_own)) return;
+    distances_.add(squared, point.weight);
     const Vec3 p{point.position[0], point.position[1], point.position[2]};
     const Vec3& a = piece_.positions[face[0]];
     const Vec3& b = piece_.positions[face[1]];
     const Vec3& c = piece_.positions[face[2]];
-    const Foot foot = foot_of(p, a, b, c);
+    const TriangleFoot foot = foot_of(p, a, b, c);
     const Vec3 residual = p - (foot.weights[0] * a + foot.weights[1] * b + foot.weights[2] * c);
     const double length = std::sqrt(dot(residual, residual));
     Vec3 n = unit(cross(b - a, c - a));
@@ -182,9 +113,9 @@ void FitMoves::add(const WeightedPoint& point, const FaceTree::Hit& hit) {
         pull.add(n, d, w);
         pull.longest = std::max(pull.longest, std::abs(d));
         const Vec3 to_point = p - piece_.positions[face[k]];
-        const double squared = dot(to_point, to_point);
-        if (squared < pull.nearest) {
-            pull.nearest = squared;
+        const double squared_way = dot(to_point, to_point);
+        if (squared_way < pull.nearest) {
+            pull.nearest = squared_way;
             pull.to_nearest = to_point;
             pull.front = front;
         }

@@ -7,10 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "ooc/parallel.h"
 #include "ooc/vec3.h"
 #include "rsimp/distance_histogram.h"
-#include "rsimp/face_tree.h"
 #include "rsimp/mesh_piece.h"
 #include "rsimp/sample_runs.h"
 
@@ -28,20 +26,16 @@ namespace hewer::rsimp {
 class FitMoves {
   public:
     /// Points farther than `most_distance` belong to something that has vanished and do not pull;
-    /// nor do points whose nearest face shows them its back.
-    FitMoves(ooc::Workers& workers, const MeshPiece& piece, double most_distance);
+    /// nor do points whose nearest face shows them its back. The faces of `piece` may change
+    /// between two pulls.
+    FitMoves(const MeshPiece& piece, double most_distance);
 
     /// In an order where neighbours follow one another; the sums depend on it in their last bits.
-    /// Threads that are idle look for their faces, too.
-    void pull(std::span<const WeightedPoint> points);
+    void pull(const WeightedPoint& point, std::uint32_t nearest_face, float squared);
 
     [[nodiscard]] std::vector<Vec3> moves() const;
     /// Of the points whose nearest face is near enough and has an own corner.
     [[nodiscard]] const DistanceHistogram& distances() const { return distances_; }
-
-    /// Of the points of a pull, beside what the piece takes.
-    static constexpr std::uint64_t kBufferBytes =
-        SampleRuns::kMostPoints * (sizeof(WeightedPoint) + sizeof(FaceTree::Hit));
 
   private:
     struct Pull {
@@ -56,15 +50,10 @@ class FitMoves {
 
         void add(const Vec3& n, double d, double weight);
     };
-    void add(const WeightedPoint& point, const FaceTree::Hit& hit);
 
-    ooc::Workers& workers_;
     const MeshPiece& piece_;
-    float most_;  // squared
-    FaceTree tree_;
-    std::uint32_t guess_ = 0;
-    std::vector<FaceTree::Hit> hits_;  // of the points at hand
-    std::vector<Pull> pulls_;          // by own vertex
+    float most_;               // squared
+    std::vector<Pull> pulls_;  // by own vertex
     DistanceHistogram distances_;
 };
 

@@ -460,9 +460,9 @@ FoldedFaces unfold_faces(ooc::Context& context, MeshStore& mesh,
     if (mesh.faces.empty() || samples.empty()) return folded;
     std::vector<Move> moves;
     {
-        const MeshRegions regions(context, mesh, boxes, first_cluster);
-        const SampleRuns runs(context, samples, mesh.origin, mesh.vertices.size());
         const ooc::Spool<Vec3> positions = positions_of(context, mesh);
+        const MeshRegions regions(context, mesh, positions, boxes, first_cluster);
+        const SampleRuns runs(context, samples, mesh.origin, mesh.vertices.size());
         const double reach = runs.spacing();
         const double spacing =
             reach * std::sqrt(static_cast<double>(mesh.vertices.size()) /

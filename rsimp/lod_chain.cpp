@@ -73,11 +73,10 @@ LodChain::Result LodChain::next(const std::optional<CollapseTarget>& target) {
     return result;
 }
 
-FitReport LodChain::fit(unsigned rounds, double cell_size) {
+FitReport LodChain::fit(const FitSteps& steps, double cell_size) {
     FitReport report;
-    mesh_.vertices =
-        rsimp::fit(context_, mesh_, start_.samples, start_.borders, start_.finisher->boxes(),
-                   start_.finisher->first_cluster(), lost_cells(), rounds, report);
+    rsimp::fit(context_, mesh_, start_.samples, start_.borders, start_.finisher->boxes(),
+               start_.finisher->first_cluster(), lost_cells(), steps, report);
     fit_distance_ = report.distance;
     report.first_move *= cell_size;
     report.last_move *= cell_size;

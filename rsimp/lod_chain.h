@@ -33,9 +33,10 @@ class LodChain {
     /// to stay.
     Result next(const std::optional<CollapseTarget>& target);
 
-    /// Moves the mesh towards the original. The next mesh begins from there. `cell_size` is the
-    /// unit of the lengths in the report.
-    FitReport fit(unsigned rounds, double cell_size);
+    /// Moves the mesh towards the original. The next mesh begins from there: edges may flip in the
+    /// first one only, or the next would not be nested in it. `cell_size` is the unit of the
+    /// lengths in the report.
+    FitReport fit(const FitSteps& steps, double cell_size);
 
     /// Counts the faces that show the original their back, and, after a fit, turns them back if
     /// vertices may move (rsimp/folded_faces.h).

@@ -106,11 +106,11 @@ std::uint64_t finish_bytes(const MemoryCounts& n) {
     return std::max(begin, run);
 }
 
-/// An LOD, positions and moves of its vertices, and the vertices where they end. Without a fit they
-/// have positions, and end, where folded faces are turned back.
+/// An LOD, two positions and moves of its vertices, and the vertices where they end. Without a fit
+/// they have positions, and end, where folded faces are turned back.
 std::uint64_t fit_bytes(const MemoryCounts& n) {
     return sample_bytes(n) + lod_bytes(n) +
-           n.lod_vertices * ((n.has_fit ? 3 : 1) * sizeof(Vec3) + sizeof(StoredVertex));
+           n.lod_vertices * ((n.has_fit ? 4 : 1) * sizeof(Vec3) + sizeof(StoredVertex));
 }
 
 std::uint64_t sums_bytes(const MemoryCounts& n) {

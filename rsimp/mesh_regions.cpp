@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "ooc/parallel.h"
 #include "rsimp/box_groups.h"
@@ -47,6 +48,7 @@ class RecentRanks {
 }  // namespace
 
 MeshRegions::MeshRegions(ooc::Context& context, const MeshStore& mesh,
+                         const ooc::Spool<Vec3>& positions,
                          std::span<const cluster::OctreeBox> boxes,
                          std::span<const std::uint64_t> first_cluster)
     : mesh_(mesh),
@@ -54,7 +56,7 @@ MeshRegions::MeshRegions(ooc::Context& context, const MeshStore& mesh,
              id_at(mesh, std::max<std::uint64_t>(1, mesh.vertices.size()) - 1)),
       face_boxes_(context.budget(), "boxes of faces", n_runs(mesh.faces.size(), kFacesPerRun)) {
     cut(context, boxes, first_cluster);
-    find_boxes_of_faces(context);
+    find_boxes_of_faces(context, positions);
 }
 
 void MeshRegions::cut(ooc::Context& context, std::span<const cluster::OctreeBox> boxes,
@@ -94,19 +96,19 @@ void MeshRegions::cut(ooc::Context& context, std::span<const cluster::OctreeBox>
     first_octree_box_.back() = boxes.size();
 }
 
-void MeshRegions::find_boxes_of_faces(ooc::Context& context) {
+void MeshRegions::find_boxes_of_faces(ooc::Context& context, const ooc::Spool<Vec3>& positions) {
     context.workers().for_ranges(
         face_boxes_.size(), 64, [&](std::uint64_t begin, std::uint64_t end) {
             const std::uint64_t first = begin * kFacesPerRun;
             const std::uint64_t last = std::min(end * kFacesPerRun, mesh_.faces.size());
             const FaceWindow window = load_window(mesh_, index_, first, last);
-            const std::vector<Vec3> positions = read_positions(mesh_, window.vertices);
+            const std::vector<Vec3> places = read_places(positions, window.vertices);
             for (std::uint64_t run = begin; run < end; ++run) {
                 const std::uint64_t from = (run - begin) * kFacesPerRun;
                 const std::uint64_t to = std::min(from + kFacesPerRun, window.faces.size());
                 FloatBox box;
                 for (std::uint64_t f = from; f < to; ++f) {
-                    for (const std::uint32_t v : window.faces[f]) box.extend(positions[v]);
+                    for (const std::uint32_t v : window.faces[f]) box.extend(places[v]);
                 }
                 face_boxes_.set(run, box);
             }
@@ -122,7 +124,7 @@ std::uint64_t MeshRegions::faces_at_most(std::size_t region, double reach) const
     return n;
 }
 
-std::uint64_t MeshRegions::region_bytes(double reach) const {
+std::uint64_t MeshRegions::region_bytes(double reach, std::uint64_t more_per_face) const {
     std::uint64_t most = kFacesPerRun;
     for (std::size_t r = 0; r < size(); ++r) {
         const std::uint64_t n = faces_at_most(r, reach);
@@ -130,11 +132,12 @@ std::uint64_t MeshRegions::region_bytes(double reach) const {
     }
     // A face, its corners and those of others, its part of vertices, of the tree and of the sums.
     constexpr std::uint64_t kBytesPerFace = 24 + 24 + 12 + 40 + 100 + 60;
-    return most * kBytesPerFace;
+    return most * (kBytesPerFace + more_per_face);
 }
 
 MeshPiece MeshRegions::load(std::size_t region, double reach, const ooc::Spool<Vec3>& positions,
-                            std::vector<std::uint64_t>& vertices) const {
+                            std::vector<std::uint64_t>& vertices,
+                            std::vector<VertexId>* own_ids) const {
     const FloatBox& box = boxes_[region];
     const std::uint64_t first_own = first_[region];
     const std::uint64_t n_own = first_[region + 1] - first_own;
@@ -144,6 +147,7 @@ MeshPiece MeshRegions::load(std::size_t region, double reach, const ooc::Spool<V
     vertices.resize(n_own);
     for (std::uint64_t i = 0; i < n_own; ++i) vertices[i] = first_own + i;
 
+    if (own_ids != nullptr) own_ids->resize(n_own);
     std::vector<Face> corners;
     const bool is_small = faces_at_most(region, reach) <= kMostFaces;
     const auto read_run = [&](std::uint64_t run) {
@@ -162,8 +166,12 @@ MeshPiece MeshRegions::load(std::size_t region, double reach, const ooc::Spool<V
         };
         for (Face& face : corners) {
             for (std::uint64_t& corner : face) {
-                corner = index_.rank(corner);
-                if (corner - first_own >= n_own) (void)met.find(corner, note);
+                const VertexId id = std::exchange(corner, index_.rank(corner));
+                if (corner - first_own >= n_own) {
+                    (void)met.find(corner, note);
+                } else if (own_ids != nullptr) {
+                    (*own_ids)[corner - first_own] = id;
+                }
             }
         }
     }

@@ -31,8 +31,9 @@ class MeshRegions {
     /// A region with more faces around it than this is left as it is.
     static constexpr std::uint64_t kMostFaces = 4 * kMostVertices;
 
-    /// `boxes`, and the first cluster of each and the end, are those that the mesh was made in.
-    MeshRegions(ooc::Context& context, const MeshStore& mesh,
+    /// `positions` are those of the mesh. `boxes`, and the first cluster of each and the end, are
+    /// those that it was made in.
+    MeshRegions(ooc::Context& context, const MeshStore& mesh, const ooc::Spool<Vec3>& positions,
                 std::span<const cluster::OctreeBox> boxes,
                 std::span<const std::uint64_t> first_cluster);
 
@@ -47,20 +48,25 @@ class MeshRegions {
     /// More room for a region, within which load() will look for faces.
     void extend(std::size_t region, const FloatBox& box) { boxes_[region].extend(box); }
 
-    /// Memory for any one region with what lies within `reach`, and its tree of faces and sums.
-    [[nodiscard]] std::uint64_t region_bytes(double reach) const;
+    /// The faces are others than before, between the same vertices, whose `positions` are those of
+    /// the beginning. One pass over them.
+    void find_boxes_of_faces(ooc::Context& context, const ooc::Spool<Vec3>& positions);
+
+    /// Memory for any one region with what lies within `reach`, and its tree of faces and sums, and
+    /// `more_per_face` for what else is kept.
+    [[nodiscard]] std::uint64_t region_bytes(double reach, std::uint64_t more_per_face = 0) const;
 
     /// A region with its faces and all others within `reach` of its box; `vertices` gets the ranks
-    /// of all of its vertices, own ones first. No faces if there are more than kMostFaces. Any
-    /// thread.
+    /// of all of its vertices, own ones first, and `own_ids` the ids of these, unless it is null.
+    /// No faces if there are more than kMostFaces. Any thread.
     MeshPiece load(std::size_t region, double reach, const ooc::Spool<Vec3>& positions,
-                   std::vector<std::uint64_t>& vertices) const;
+                   std::vector<std::uint64_t>& vertices,
+                   std::vector<VertexId>* own_ids = nullptr) const;
 
   private:
     [[nodiscard]] std::uint64_t faces_at_most(std::size_t region, double reach) const;
     void cut(ooc::Context& context, std::span<const cluster::OctreeBox> boxes,
              std::span<const std::uint64_t> first_cluster);
-    void find_boxes_of_faces(ooc::Context& context);
 
     const MeshStore& mesh_;
     IdIndex index_;

@@ -44,6 +44,12 @@ SampleRuns::SampleRuns(ooc::Context& context, const ooc::Spool<FitSample>& sampl
     stride_ = std::max<std::uint64_t>(1, (samples_.size() + enough / 2) / enough);
 }
 
+std::uint64_t SampleRuns::points_at_most(const FloatBox& box, double reach) const {
+    std::uint64_t n_runs = 0;
+    boxes_.for_each_near(box, reach, [&](std::uint64_t) { ++n_runs; });
+    return n_runs * (kSamplesPerRun / stride_ + 1);
+}
+
 void SampleRuns::for_each(const FloatBox& box, double reach, const Vec3& centre,
                           const std::function<void(std::span<const WeightedPoint>)>& visit,
                           std::uint64_t share) const {

@@ -46,6 +46,9 @@ class SampleRuns {
                   const std::function<void(std::span<const WeightedPoint>)>& visit,
                   std::uint64_t share = 1) const;
 
+    /// No more points than this are visited then.
+    [[nodiscard]] std::uint64_t points_at_most(const FloatBox& box, double reach) const;
+
   private:
     const ooc::Spool<FitSample>& samples_;
     Vec3 origin_;

@@ -156,6 +156,8 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const Simp
     report.input.topology = input_topology;
     report.refined_clusters = start_mesh.n_clusters;
     const SourceInfo& info = source.info();
+    // The samples know nothing of colours, whose borders run along edges then.
+    const bool weighs_attributes = start_mesh.scales.color > 0 || start_mesh.scales.normal > 0;
     LodOutput output(context,
                      {start_mesh.lattice, start_mesh.grid, info.has_normals, info.has_colors,
                       info.has_alpha, info.has_double_positions, start_mesh.scales},
@@ -193,7 +195,7 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const Simp
         }
         if (const unsigned rounds = fit_rounds(options); rounds > 0) {
             stages.begin("fit", rounds * chain.mesh().vertices.size(), "vertices");
-            lod.fit = chain.fit(rounds, report.grid.cell_size);
+            lod.fit = chain.fit({rounds, i == 0 && !weighs_attributes}, report.grid.cell_size);
         }
         if (options.method != Method::Uniform) {
             stages.begin("unfold", 0, "faces");

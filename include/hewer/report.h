@@ -94,7 +94,8 @@ struct FitReport {
     double last_move = 0;   ///< the same in the last one
     /// Root mean square of the distances of the samples before the last round, of those that pull.
     double distance = 0;
-    std::uint64_t held = 0;  ///< vertices that were not let in the last round, borders included
+    std::uint64_t held = 0;   ///< vertices that were not let in the last round, borders included
+    std::uint64_t flips = 0;  ///< edges that were flipped, all rounds
 };
 
 /// A place where a part of the surface went missing.

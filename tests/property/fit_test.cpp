@@ -62,23 +62,47 @@ TEST(Fit, MoreRoundsComeCloser) {
     EXPECT_LT(distance(mesh, fitted(mesh, 700, 16)).forward.rms, 1.02 * before);
 }
 
-TEST(Fit, KeepsTheConnectivity) {
-    const Mesh mesh = wavy_sphere();
-    const Mesh plain = fitted(mesh, 500, 0);
-    const Mesh moved = fitted(mesh, 500, 4);
-    EXPECT_EQ(triangle_set(plain.triangles), triangle_set(moved.triangles));
-    EXPECT_NE(plain.positions, moved.positions);
+TEST(Fit, FlipsEdgesAndKeepsTheTopology) {
+    for (const Mesh& mesh : {wavy_sphere(), torus(200, 100), plane_grid(100, 0.01)}) {
+        const Counts plain = count(fitted(mesh, 500, 0));
+        SimplifyOptions options = options_for(Target::Kind::Triangles, 500);
+        options.method = Method::Refine;
+        options.fit_rounds = 4;
+        const Outcome run = run_simplify(mesh, options);
+        EXPECT_GT(run.report.lods[0].fit.flips, 5U);
+        const Counts moved = count(run.lods[0]);
+        EXPECT_TRUE(moved.is_clean());
+        EXPECT_EQ(moved.edges, plain.edges);
+        EXPECT_EQ(moved.border_edges, plain.border_edges);
+        EXPECT_EQ(moved.euler, plain.euler);
+    }
+}
+
+TEST(Fit, FlipsNoEdgesWhereLevelsNestOrColoursCount) {
+    const Mesh mesh = with_colors(wavy_sphere());
+    SimplifyOptions options;
+    for (const double n : {4000.0, 1000.0}) {
+        options.targets.push_back({Target::Kind::Triangles, n});
+    }
+    const Outcome levels = run_simplify(mesh, options);
+    EXPECT_GT(levels.report.lods[0].fit.flips, 0U);
+    EXPECT_EQ(levels.report.lods[1].fit.flips, 0U);
+    options.color_weight = 1;
+    EXPECT_EQ(run_simplify(mesh, options).report.lods[0].fit.flips, 0U);
 }
 
 TEST(Fit, FoldsNoFace) {
-    const Mesh mesh = cube_sphere(40, 0.03, 8);
+    // A weight of colours keeps edges from flipping, so that faces can be compared one by one.
+    const Mesh mesh = with_colors(cube_sphere(40, 0.03, 8));
     for (const double target : {60.0, 300.0, 3000.0}) {
         SimplifyOptions options = options_for(Target::Kind::Triangles, target);
         options.method = Method::Refine;
+        options.color_weight = 1e-9;
         options.fit_rounds = 0;
         const Outcome plain = run_simplify(mesh, options);
         options.fit_rounds = 12;
         const Outcome moved = run_simplify(mesh, options);
+        ASSERT_EQ(triangle_set(plain.lods[0].triangles), triangle_set(moved.lods[0].triangles));
         std::uint64_t turned = 0;
         for (const Triangle& t : moved.lods[0].triangles) {
             if (dot(cross_of(plain.lods[0], t), cross_of(moved.lods[0], t)) <= 0) ++turned;
@@ -87,6 +111,20 @@ TEST(Fit, FoldsNoFace) {
         EXPECT_LE(turned,
                   plain.report.lods[0].folded->unfolded + moved.report.lods[0].folded->unfolded)
             << target;
+    }
+}
+
+TEST(Fit, LeavesNextToNoFaceFoldedWhereEdgesFlip) {
+    // So smooth that it is a star around its middle: folded is what shows that its front.
+    const Mesh mesh = cube_sphere(40, 0.004, 8);
+    for (const double target : {60.0, 300.0, 3000.0}) {
+        for (const unsigned rounds : {1U, 2U, 4U}) {
+            const Mesh lod = fitted(mesh, target, rounds);
+            const auto n_folded = std::count_if(
+                lod.triangles.begin(), lod.triangles.end(),
+                [&](const Triangle& t) { return dot(cross_of(lod, t), lod.positions[t[0]]) <= 0; });
+            EXPECT_LE(static_cast<double>(n_folded), target / 1000) << target << ", " << rounds;
+        }
     }
 }
 
