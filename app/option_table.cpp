@@ -124,7 +124,7 @@ OptionSpec{"weight_property", "--weight-property", "NAME", T::Name, kTargets, ""
 OptionSpec{"focus", "--focus", "BOX:WEIGHT", T::FocusBoxes, kTargets, "model units", "", 0, 0, "", kMethod, false,
     "Box of interest, x0,y0,z0,x1,y1,z1:WEIGHT: the surface in it counts as WEIGHT times its area, 0 "
     "to 1000. May be given several times; weights multiply."},
-OptionSpec{"feedback", "--feedback", "N", T::CountOrOff, kTargets, "rounds, or off", "=2 with --method full, else off", 1, 20, "", kMethod, false,
+OptionSpec{"feedback", "--feedback", "N", T::CountOrOff, kTargets, "rounds, or off", "=2 with --method full; with refine 1 where much is far; else off", 1, 20, "", kMethod, false,
     "Find the places where a first result is far from the input, and give them more triangles."},
 OptionSpec{"fit", "--fit", "N", T::CountOrOff, kTargets, "rounds, or off", "=2, with --method full 4; off with --method uniform or --displacement", 1, 100, "", kMethod, false,
     "Move the vertices of the result, as a whole, towards the original surface."},

@@ -2,6 +2,7 @@
 /// How far the points of a surface are from another one, by the area that they stand for.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -37,6 +38,17 @@ class DistanceHistogram {
             sum += bin.sum;
         }
         return area > 0 ? sum / area : 0;
+    }
+
+    /// Of the sum of all squares, what is beyond `least_square` at each place; in whole bins.
+    [[nodiscard]] double share_beyond(double least_square) const {
+        double sum = 0;
+        double beyond = 0;
+        for (const Bin& bin : bins_) {
+            sum += bin.sum;
+            beyond += std::max(0.0, bin.sum - least_square * bin.area);
+        }
+        return sum > 0 ? beyond / sum : 0;
     }
 
   private:

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -95,12 +96,15 @@ class Distances {
           positions_(positions_of(context, mesh)),
           regions_(context, mesh, positions_, boxes_of(cells), first_cluster),
           squared_(context, "distances of cells") {
-        double area = 0;
-        for (std::size_t r = 0; r < regions_.size(); ++r) area += make_room(r);
+        std::vector<double> areas(regions_.size());
+        context.workers().for_ranges(regions_.size(), 1,
+                                     [&](std::size_t r, std::size_t) { areas[r] = make_room(r); });
+        const double area = std::accumulate(areas.begin(), areas.end(), 0.0);
         spacing_ = std::sqrt(area / static_cast<double>(mesh.vertices.size()));
     }
 
-    void measure() {
+    /// One of `stride` cells; others have no distance.
+    void measure(std::uint64_t stride = 1) {
         std::uint64_t most_cells = 0;
         for (std::size_t r = 0; r < regions_.size(); ++r) {
             most_cells = std::max(most_cells, last_cell(r) - first_cell(r));
@@ -117,7 +121,7 @@ class Distances {
             regions_.size(),
             [&](std::uint64_t r, Work& work) {
                 work.histogram = {};
-                measure_region(r, work.squared, work.histogram);
+                measure_region(r, stride, work.squared, work.histogram);
             },
             [&](std::uint64_t, const Work& work) {
                 squared_.append(work.squared);
@@ -138,6 +142,7 @@ class Distances {
     [[nodiscard]] double gone_square() const { return kMostFar * kMostFar * spacing_ * spacing_; }
     /// As far as anything was looked for: what has this distance may have a larger one.
     [[nodiscard]] double reach_square() const { return kReach * kReach * spacing_ * spacing_; }
+    [[nodiscard]] double share_far() const { return histogram_.share_beyond(far_square()); }
     [[nodiscard]] double mean_square() const { return histogram_.mean_square(1); }
     [[nodiscard]] double spacing() const { return spacing_; }
     [[nodiscard]] double worst() const { return std::sqrt(static_cast<double>(worst_)); }
@@ -171,7 +176,7 @@ class Distances {
         return area;
     }
 
-    void measure_region(std::size_t region, std::vector<float>& squared,
+    void measure_region(std::size_t region, std::uint64_t stride, std::vector<float>& squared,
                         DistanceHistogram& histogram) const {
         const double reach = kReach * spacing_;
         std::vector<std::uint64_t> vertices;
@@ -190,18 +195,25 @@ class Distances {
         std::vector<Point3f> places;
         std::vector<FaceTree::Hit> hits;
         std::size_t n_done = 0;
+        std::vector<std::size_t> measured;
         for (auto run = cells.next_piece(); !run.empty(); run = cells.next_piece()) {
             places.clear();
-            for (const CellRecord& cell : run) {
-                const Vec3 place = place_of(*codes.next(), cell) - mesh_.origin;
+            measured.clear();
+            for (std::size_t i = 0; i < run.size(); ++i) {
+                const std::uint64_t code = *codes.next();
+                if ((n_done + i) % stride != 0) continue;
+                const Vec3 place = place_of(code, run[i]) - mesh_.origin;
                 places.push_back(to_single(place - piece.centre));
+                measured.push_back(i);
             }
             hits.resize(places.size());
             tree.nearest(places, most, guess, hits);
-            for (std::size_t i = 0; i < run.size(); ++i) {
-                const float d = squared[n_done++] = hits[i].squared_distance;
+            for (std::size_t k = 0; k < measured.size(); ++k) {
+                const std::size_t i = measured[k];
+                const float d = squared[n_done + i] = hits[k].squared_distance;
                 histogram.add(d, run[i].area);
             }
+            n_done += run.size();
         }
     }
 
@@ -217,6 +229,13 @@ class Distances {
 };
 
 }  // namespace
+
+double share_far(ooc::Context& context, const CellBlocks& cells, const MeshStore& mesh,
+                 std::span<const std::uint64_t> first_cluster, std::uint64_t stride) {
+    Distances distances(context, cells, mesh, first_cluster);
+    distances.measure(stride);
+    return distances.share_far();
+}
 
 FeedbackResult feed_back(ooc::Context& context, const CellBlocks& cells, const MeshStore& mesh,
                          std::span<const std::uint64_t> first_cluster, double far_distance) {

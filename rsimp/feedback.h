@@ -24,6 +24,11 @@ struct FeedbackResult {
     double worst = 0;
 };
 
+/// What a round of feedback could take off: the part of the sum of squared distances that is beyond
+/// the bound at which a cell is far, by one of `stride` cells. 1 if something has vanished.
+double share_far(ooc::Context& context, const cluster::CellBlocks& cells, const MeshStore& mesh,
+                 std::span<const std::uint64_t> first_cluster, std::uint64_t stride);
+
 /// What a quadric cannot see: thin pieces have almost no error in any plane, whatever becomes of
 /// them, so they vanish first, and a small place that is far off counts as little as its area. Here
 /// the mean of each cell is measured against a finished mesh. The quadric of each that is several

@@ -122,7 +122,12 @@ double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
 
 unsigned feedback_rounds(const SimplifyOptions& options) {
     if (options.targets.empty() || is_error(options.targets.front().kind)) return 0;
-    return options.feedback_rounds.value_or(options.method == Method::Full ? kFeedbackRounds : 0);
+    if (options.method == Method::Uniform) return 0;
+    return options.feedback_rounds.value_or(options.method == Method::Full ? kFeedbackRounds : 1);
+}
+
+bool looks_before_feedback(const SimplifyOptions& options) {
+    return !options.feedback_rounds && options.method == Method::Refine;
 }
 
 unsigned fit_rounds(const SimplifyOptions& options) {

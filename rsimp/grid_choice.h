@@ -74,8 +74,10 @@ double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
 /// What Method::Auto stands for; any other method as it is.
 Method method_for(const SimplifyOptions& options, const SourceInfo& info);
 
-/// Rounds of feedback: for Full, unless told otherwise.
+/// Rounds of feedback at most: unless told otherwise two for Full, one for Refine, none for Uniform.
 unsigned feedback_rounds(const SimplifyOptions& options);
+/// Nobody has asked for the round: it is made only where much is far.
+bool looks_before_feedback(const SimplifyOptions& options);
 
 /// Rounds of the fit. None for the uniform method, whose point is speed, nor under an error bound,
 /// which only the clusters' own places are known to keep; unless they are asked for.

@@ -198,6 +198,8 @@ PlanReport plan(const InputPaths& input, const SimplifyOptions& asked) {
     counts.joins_parts = options.aggregate.has_value();
     const unsigned n_feedback = rsimp::feedback_rounds(options);
     counts.has_feedback = n_feedback > 0;
+    // One that nobody has asked for is seldom made.
+    const unsigned n_timed = rsimp::looks_before_feedback(options) ? 0 : n_feedback;
     if (!is_in_order(*source)) counts.triangles_out_of_order = info.n_faces;
     report.memory_limit_bytes =
         options.memory_bytes != 0 ? options.memory_bytes : ooc::default_memory_limit();
@@ -229,7 +231,7 @@ PlanReport plan(const InputPaths& input, const SimplifyOptions& asked) {
         static_cast<double>(report.cells) * kSecondsPerCell +
         (options.method == Method::Uniform
              ? 0
-             : (1 + n_feedback) * static_cast<double>(clusters) * kSecondsPerCluster) +
+             : (1 + n_timed) * static_cast<double>(clusters) * kSecondsPerCluster) +
         rsimp::fit_rounds(options) * static_cast<double>(report.cells) * kSecondsPerFitSample;
     return report;
 }

@@ -95,7 +95,8 @@ struct SimplifyOptions {
     std::vector<FocusBox> focus{};
 
     /// Rounds, at most, in which the places where the first LOD is far from the input are found,
-    /// and the budget is shared out again; 0: none. Unset: two for Full, none otherwise.
+    /// and the budget is shared out again; 0: none. Unset: two for Full, for Refine one if much is
+    /// far, none for Uniform.
     std::optional<unsigned> feedback_rounds;
     /// What is farther than this, in model units, is far. 0: what is several times the common
     /// distance.

@@ -83,6 +83,15 @@ TEST(Feedback, KeepsWhatIsThin) {
     EXPECT_EQ(without.report.feedback.rounds, 0U);
 }
 
+TEST(Feedback, OfRefineIsMadeWhereMuchIsFarAndNotAskedFor) {
+    SimplifyOptions options = options_for(Target::Kind::Triangles, 400);
+    options.method = Method::Refine;
+    EXPECT_EQ(run_simplify(sphere_with_blade(), options).report.feedback.rounds, 1U);
+    EXPECT_EQ(run_simplify(cube_sphere(60, 0.01, 3), options).report.feedback.rounds, 0U);
+    options.feedback_rounds = 0;
+    EXPECT_EQ(run_simplify(sphere_with_blade(), options).report.feedback.rounds, 0U);
+}
+
 TEST(Feedback, ReachesTheTargetAllTheSame) {
     for (const double target : {100.0, 1000.0, 10000.0}) {
         const Result result = simplified(sphere_with_blade(), target, 3);
