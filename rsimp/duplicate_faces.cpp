@@ -37,9 +37,13 @@ std::uint64_t settle_duplicates(std::vector<LocalFace>& faces, bool is_closed) {
     const std::uint64_t before = faces.size();
     std::vector<LocalFace> settled;
     settled.reserve(before);
+    const auto visit = [&](const auto& take) {
+        for (const LocalFace& t : faces) take(t);
+    };
     const auto emit = [&](const LocalFace& t) { settled.push_back(t); };
-    DuplicateSettler<LocalFace, decltype(emit)> settler(is_closed, emit);
-    for (const LocalFace& t : faces) settler.add(t);
+    DuplicateSettler<LocalFace, decltype(emit)> settler(keeps_copies<LocalFace>(is_closed, visit),
+                                                        emit);
+    visit([&](const LocalFace& t) { settler.add(t); });
     settler.finish();
     faces = std::move(settled);
     return before - faces.size();

@@ -295,6 +295,32 @@ class Fans {
     std::vector<std::uint8_t> has_changed_;  // clusters whose pairs have, since fans were named
 };
 
+/// Components of a few faces with a border, each of them a copy of one before in another component:
+/// faces that are there twice in the input. By label.
+std::vector<bool> find_copies(const BlockMesh& mesh, const Fans& fans,
+                              std::span<const LocalFace> named,
+                              std::span<const std::uint32_t> label) {
+    std::vector<std::uint32_t> n_faces(label.size());
+    std::vector<bool> is_copy(label.size());
+    for (std::size_t f = 0; f < named.size(); ++f) {
+        for (std::size_t i = 0; i < 3; ++i) {
+            if (!fans.has_opposite(3 * f + i)) is_copy[label[named[f][0]]] = true;
+        }
+    }
+    for (std::size_t f = 0; f < named.size(); ++f) {
+        const std::uint32_t c = label[named[f][0]];
+        // Faces are settled: copies follow each other.
+        const bool is_copied =
+            f > 0 && mesh.faces[f] == mesh.faces[f - 1] && label[named[f - 1][0]] != c;
+        if (!is_copied || ++n_faces[c] > kMostFacesOfBubble) is_copy[c] = false;
+        for (const std::uint32_t v : named[f]) {
+            const std::uint32_t flags = mesh.vertices[fans.origin(v)].flags;
+            if ((flags & (VertexFlags::kFrozen | VertexFlags::kLocked)) != 0) is_copy[c] = false;
+        }
+    }
+    return is_copy;
+}
+
 /// Folding pinches off bubbles: small closed components that share clusters with a larger one. They
 /// stand for nothing of their own, and dropping a closed component opens nothing. Nor does a
 /// triangle that is there twice, once for each side, make a closed surface. Faces are dropped from
@@ -327,7 +353,7 @@ std::uint64_t drop_bubbles(const BlockMesh& mesh, Fans& fans) {
             best = c;
         }
     }
-    std::vector<bool> is_bubble(label.size());
+    std::vector<bool> is_bubble = find_copies(mesh, fans, named, label);
     for (std::uint32_t v = 0; v < label.size(); ++v) {
         const std::uint32_t c = label[v];
         const bool is_small = n_faces[c] <= kMostFacesOfBubble;
@@ -335,7 +361,20 @@ std::uint64_t drop_bubbles(const BlockMesh& mesh, Fans& fans) {
             is_bubble[c] = true;
         }
     }
-    return std::erase_if(named, [&](const LocalFace& t) { return is_bubble[label[t[0]]]; });
+    const auto is_finished = [&](const LocalFace& t) {
+        return std::none_of(t.begin(), t.end(), [&](std::uint32_t v) {
+            return (mesh.vertices[fans.origin(v)].flags & VertexFlags::kFrozen) != 0;
+        });
+    };
+    std::size_t n = 0;
+    for (const LocalFace& t : named) {
+        // Copies that no fan parts, and no later block will.
+        const bool is_same_again = n > 0 && t == named[n - 1] && is_finished(t);
+        if (!is_same_again && !is_bubble[label[t[0]]]) named[n++] = t;
+    }
+    const std::uint64_t n_dropped = named.size() - n;
+    named.resize(n);
+    return n_dropped;
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ struct ManifoldCounts {
 ///    left around a cluster. So no edge is opened and no edge keeps more than two faces. The fans
 ///    share the cluster's quadric and step a little apart, towards their own neighbours.
 ///  - Small closed components that share a cluster with a larger one (bubbles) are dropped, and so
-///    are those of two faces, a triangle and its opposite.
+///    are those of two faces, a triangle and its opposite, and small open ones that are copies.
 ///
 /// A vertex that cannot be told apart because its neighbour is frozen is frozen too. The order of
 /// the faces given does not matter. Memory: about 100 bytes a face on the way.

@@ -30,9 +30,12 @@ ooc::Spool<Face> settle_crossing(ooc::Context& context, ooc::Spool<Face> faces, 
     const ooc::Spool<Face> sorted = sorter.finish();
     ooc::Spool<Face> settled(context, "faces between blocks");
     const auto emit = [&](const Face& face) { settled.push(face); };
-    DuplicateSettler<Face, decltype(emit)> settler(is_closed, emit);
-    ooc::SpoolReader<Face> reader(sorted);
-    while (const Face* face = reader.next()) settler.add(*face);
+    const auto visit = [&](const auto& take) {
+        ooc::SpoolReader<Face> reader(sorted);
+        while (const Face* face = reader.next()) take(*face);
+    };
+    DuplicateSettler<Face, decltype(emit)> settler(keeps_copies<Face>(is_closed, visit), emit);
+    visit([&](const Face& face) { settler.add(face); });
     settler.finish();
     return settled;
 }

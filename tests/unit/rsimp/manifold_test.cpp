@@ -130,6 +130,31 @@ TEST(MakeManifold, VerticesThatAreTakenApartStayWhereTheyWere) {
     }
 }
 
+TEST(MakeManifold, FoldingOpensNothingBesideABorder) {
+    // A hole of one triangle has three border edges, whatever is merged.
+    for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+        Mesh mesh = test::cube_sphere(10, 0.1);
+        mesh.triangles.erase(mesh.triangles.begin() + 100);
+        for (const std::uint64_t n : {100U, 300U, 600U}) {
+            const Built built = build(merged_at_random(mesh, n, seed), false);
+            EXPECT_LE(built.counts.border_edges, 3U) << n << ", " << seed;
+            EXPECT_EQ(built.counts.nonmanifold_edges, 0U) << n << ", " << seed;
+        }
+    }
+}
+
+TEST(MakeManifold, AFewDuplicatesInAnOpenMeshAreDirt) {
+    Mesh mesh = test::plane_grid(20);
+    const std::size_t n = mesh.triangles.size();
+    for (const std::size_t i : {50U, 51U, 300U, 301U, 302U, 500U}) {
+        mesh.triangles.push_back(mesh.triangles[i]);
+    }
+    const Built built = build(mesh, false);
+    EXPECT_EQ(built.triangles.size(), n);
+    EXPECT_EQ(built.counts.border_edges, 80U);
+    EXPECT_TRUE(built.counts.is_clean());
+}
+
 TEST(MakeManifold, DuplicatesInAnOpenMeshAreDirt) {
     Mesh mesh = test::plane_grid(8);
     const std::size_t n = mesh.triangles.size();
