@@ -25,7 +25,7 @@ struct FeedbackResult {
 };
 
 /// What a round of feedback could take off: the part of the sum of squared distances that is beyond
-/// the bound at which a cell is far, by one of `stride` cells. 1 if something has vanished.
+/// the bound at which a cell is far, by one of `stride` cells.
 double share_far(ooc::Context& context, const cluster::CellBlocks& cells, const MeshStore& mesh,
                  std::span<const std::uint64_t> first_cluster, std::uint64_t stride);
 
