@@ -12,7 +12,6 @@ namespace hewer::rsimp {
 
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffU;
 // Of what the points of two faces had: the least that a flip takes off. Less is noise.
 constexpr double kLeastGain = .02;
 // Cosine of how far a new face may turn from the mean of the old ones.
@@ -32,10 +31,6 @@ std::uint32_t before_in_face(std::uint32_t half_edge) {
     return half_edge % 3 == 0 ? half_edge + 2 : half_edge - 1;
 }
 
-Vec3 as_vec3(const Point3f& p) {
-    return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
-}
-
 double length_of(const Vec3& v) {
     return std::sqrt(dot(v, v));
 }
@@ -46,9 +41,9 @@ EdgeFlips::EdgeFlips(const MeshPiece& piece)
     : positions_(piece.positions),
       n_own_(piece.n_own),
       faces_(piece.faces),
-      across_(3 * faces_.size(), kNone),
+      across_(3 * faces_.size(), kNoIndex),
       is_fixed_(n_own_),
-      first_(faces_.size(), kNone) {
+      first_(faces_.size(), kNoIndex) {
     find_neighbours();
     find_fixed_vertices();
 }
@@ -76,22 +71,22 @@ void EdgeFlips::find_neighbours() {
 /// Where a walk around a vertex does not meet all of its faces.
 void EdgeFlips::find_fixed_vertices() {
     std::vector<std::uint32_t> n_faces(n_own_);
-    std::vector<std::uint32_t> any(n_own_, kNone);
+    std::vector<std::uint32_t> any(n_own_, kNoIndex);
     for (std::uint32_t h = 0; h < across_.size(); ++h) {
         const std::uint32_t v = start_of(h);
         if (v >= n_own_) continue;
         ++n_faces[v];
         // At a border the walk begins there.
-        if (any[v] == kNone || across_[h] == kNone) any[v] = h;
+        if (any[v] == kNoIndex || across_[h] == kNoIndex) any[v] = h;
     }
     for (std::uint32_t v = 0; v < n_own_; ++v) {
-        if (any[v] == kNone || is_fixed_[v]) continue;
+        if (any[v] == kNoIndex || is_fixed_[v]) continue;
         std::uint32_t n_met = 0;
         std::uint32_t h = any[v];
         do {
             ++n_met;
             h = across_[before_in_face(h)];
-        } while (h != kNone && h != any[v]);
+        } while (h != kNoIndex && h != any[v]);
         is_fixed_[v] = n_met != n_faces[v];
     }
 }
@@ -119,9 +114,9 @@ bool EdgeFlips::are_neighbours(std::uint32_t half_edge, std::uint32_t vertex) co
     do {
         if (is_met(h)) return true;
         h = across_[before_in_face(h)];
-    } while (h != kNone && h != half_edge);
+    } while (h != kNoIndex && h != half_edge);
     if (h == half_edge) return false;
-    for (h = across_[half_edge]; h != kNone; h = across_[h]) {
+    for (h = across_[half_edge]; h != kNoIndex; h = across_[h]) {
         h = next_in_face(h);
         if (is_met(h)) return true;
     }
@@ -131,7 +126,7 @@ bool EdgeFlips::are_neighbours(std::uint32_t half_edge, std::uint32_t vertex) co
 /// False where an edge must stay for the topology's sake.
 bool EdgeFlips::describe(std::uint32_t half_edge, Flip& flip) const {
     const std::uint32_t other = across_[half_edge];
-    if (other == kNone) return false;
+    if (other == kNoIndex) return false;
     flip.f = half_edge / 3;
     flip.g = other / 3;
     const std::uint32_t a = start_of(half_edge);
@@ -213,7 +208,7 @@ double EdgeFlips::cost_of_middles(const Flip& flip) const {
     Middle after{0.5 * (positions_[flip.new_f[0]] + positions_[flip.new_f[2]])};
     double weight = 0;
     for (const std::uint32_t face : {flip.f, flip.g}) {
-        for (std::uint32_t i = first_[face]; i != kNone; i = next_[i]) {
+        for (std::uint32_t i = first_[face]; i != kNoIndex; i = next_[i]) {
             before.see(points_[i]);
             after.see(points_[i]);
             weight += static_cast<double>(points_[i].weight);
@@ -228,14 +223,14 @@ float EdgeFlips::gain_of(std::uint32_t half_edge) const {
     if (!describe(half_edge, flip) || !keeps_shape(flip)) return 0;
     double before = 0;
     for (const std::uint32_t face : {flip.f, flip.g}) {
-        for (std::uint32_t i = first_[face]; i != kNone; i = next_[i]) {
+        for (std::uint32_t i = first_[face]; i != kNoIndex; i = next_[i]) {
             before += static_cast<double>(points_[i].weight) * static_cast<double>(squared_[i]);
         }
     }
     const double most = (1 - kLeastGain) * before;
     double after = cost_of_middles(flip);
     for (const std::uint32_t face : {flip.f, flip.g}) {
-        for (std::uint32_t i = first_[face]; i != kNone; i = next_[i]) {
+        for (std::uint32_t i = first_[face]; i != kNoIndex; i = next_[i]) {
             if (!(after < most)) return 0;
             after += static_cast<double>(points_[i].weight) *
                      std::min(cost(points_[i], flip.new_f), cost(points_[i], flip.new_g));
@@ -246,7 +241,7 @@ float EdgeFlips::gain_of(std::uint32_t half_edge) const {
 
 /// The smaller half-edge stands for an edge.
 void EdgeFlips::offer(std::uint32_t half_edge) {
-    if (across_[half_edge] == kNone) return;
+    if (across_[half_edge] == kNoIndex) return;
     const auto [low, high] = std::minmax(half_edge, across_[half_edge]);
     heap_.erase(high);
     const float gain = gain_of(low);
@@ -264,16 +259,16 @@ void EdgeFlips::carry_out(const Flip& flip) {
         for (std::uint32_t k = 0; k < 3; ++k) {
             heap_.erase(3 * face + k);
             const std::uint32_t other = across_[3 * face + k];
-            if (other != kNone) heap_.erase(other);
+            if (other != kNoIndex) heap_.erase(other);
         }
-        for (std::uint32_t i = first_[face]; i != kNone; i = next_[i]) at_hand_.push_back(i);
-        first_[face] = kNone;
+        for (std::uint32_t i = first_[face]; i != kNoIndex; i = next_[i]) at_hand_.push_back(i);
+        first_[face] = kNoIndex;
     }
     faces_[flip.f] = flip.new_f;
     faces_[flip.g] = flip.new_g;
     const auto join = [&](std::uint32_t half_edge, std::uint32_t other) {
         across_[half_edge] = other;
-        if (other != kNone) across_[other] = half_edge;
+        if (other != kNoIndex) across_[other] = half_edge;
     };
     for (std::uint32_t k = 0; k < 2; ++k) {
         join(3 * flip.f + k, flip.across_f[k]);
@@ -298,7 +293,7 @@ std::vector<EdgeFlips::Change> EdgeFlips::flip(ooc::Workers& workers, MeshPiece&
                        [&](std::size_t begin, std::size_t end) {
                            for (std::size_t i = begin; i < end; ++i) {
                                const auto h = static_cast<std::uint32_t>(i);
-                               if (across_[h] != kNone && h < across_[h]) gains[h] = gain_of(h);
+                               if (across_[h] != kNoIndex && h < across_[h]) gains[h] = gain_of(h);
                            }
                        });
     heap_ = IndexedHeap(gains.size());

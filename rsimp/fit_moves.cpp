@@ -94,7 +94,7 @@ void FitMoves::pull(const WeightedPoint& point, std::uint32_t nearest_face, floa
     const LocalFace& face = piece_.faces[nearest_face];
     if (squared > most_ || (face[0] >= n_own && face[1] >= n_own && face[2] >= n_own)) return;
     distances_.add(squared, point.weight);
-    const Vec3 p{point.position[0], point.position[1], point.position[2]};
+    const Vec3 p = as_vec3(point.position);
     const Vec3& a = piece_.positions[face[0]];
     const Vec3& b = piece_.positions[face[1]];
     const Vec3& c = piece_.positions[face[2]];
@@ -102,7 +102,7 @@ void FitMoves::pull(const WeightedPoint& point, std::uint32_t nearest_face, floa
     const Vec3 residual = p - (foot.weights[0] * a + foot.weights[1] * b + foot.weights[2] * c);
     const double length = std::sqrt(dot(residual, residual));
     Vec3 n = unit(cross(b - a, c - a));
-    const Vec3 front{point.normal[0], point.normal[1], point.normal[2]};
+    const Vec3 front = as_vec3(point.normal);
     if (dot(n, front) < kLeastCosine) return;
     if (!foot.is_inside && length > kTiny) n = (1 / length) * residual;
     const double d = dot(residual, n);

@@ -28,10 +28,6 @@ constexpr std::array kSteps{0.25, 0.5, 0.75, 1.0};
 // Bytes of a region's faces: distances, order in the grid, corners by vertex.
 constexpr std::uint64_t kBytesPerFace = 70;
 
-Vec3 as_vec3(const Point3f& p) {
-    return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
-}
-
 struct Placed {
     Vec3 centre{};
     Vec3 normal{};  // not unit; zero: no area

@@ -20,6 +20,10 @@ inline Point3f to_single(const Vec3& p) {
     return {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
 }
 
+inline Vec3 as_vec3(const Point3f& p) {
+    return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
+}
+
 /// The first `n_own` vertices are its own; all of their faces are here, and all others within the
 /// reach that was asked for.
 struct MeshPiece {
