@@ -94,8 +94,7 @@ class Distances {
           cells_(cells),
           mesh_(mesh),
           positions_(positions_of(context, mesh)),
-          regions_(context, mesh, positions_, boxes_of(cells), first_cluster),
-          squared_(context, "distances of cells") {
+          regions_(context, mesh, positions_, boxes_of(cells), first_cluster) {
         std::vector<double> areas(regions_.size());
         context.workers().for_ranges(regions_.size(), 1,
                                      [&](std::size_t r, std::size_t) { areas[r] = make_room(r); });
@@ -105,6 +104,9 @@ class Distances {
 
     /// One of `stride` cells; others have no distance.
     void measure(std::uint64_t stride = 1) {
+        squared_ = {context_, "distances of cells"};
+        histogram_ = {};
+        worst_ = 0;
         std::uint64_t most_cells = 0;
         for (std::size_t r = 0; r < regions_.size(); ++r) {
             most_cells = std::max(most_cells, last_cell(r) - first_cell(r));
@@ -230,18 +232,17 @@ class Distances {
 
 }  // namespace
 
-double share_far(ooc::Context& context, const CellBlocks& cells, const MeshStore& mesh,
-                 std::span<const std::uint64_t> first_cluster, std::uint64_t stride) {
-    Distances distances(context, cells, mesh, first_cluster);
-    distances.measure(stride);
-    return distances.share_far();
-}
-
 FeedbackResult feed_back(ooc::Context& context, const CellBlocks& cells, const MeshStore& mesh,
-                         std::span<const std::uint64_t> first_cluster, double far_distance) {
+                         std::span<const std::uint64_t> first_cluster, double far_distance,
+                         const FeedbackLook& look) {
     Distances distances(context, cells, mesh, first_cluster);
-    distances.measure();
     FeedbackResult result;
+    if (look.least_share > 0) {
+        distances.measure(look.stride);
+        result.is_made = distances.share_far() >= look.least_share;
+        if (!result.is_made) return result;
+    }
+    distances.measure();
     result.cells = {context, "cells"};
     result.worst = distances.worst();
     result.mean_square = distances.mean_square();

@@ -13,6 +13,7 @@
 namespace hewer::rsimp {
 
 struct FeedbackResult {
+    bool is_made = true;                    ///< else nothing here counts
     ooc::Spool<cluster::CellRecord> cells;  ///< to be put in the place of those before
     ooc::Spool<float> vanished;             ///< the same: CellBlocks::vanished
     std::uint64_t n_far = 0;
@@ -24,10 +25,13 @@ struct FeedbackResult {
     double worst = 0;
 };
 
-/// What a round of feedback could take off: the part of the sum of squared distances that is beyond
-/// the bound at which a cell is far, by one of `stride` cells.
-double share_far(ooc::Context& context, const cluster::CellBlocks& cells, const MeshStore& mesh,
-                 std::span<const std::uint64_t> first_cluster, std::uint64_t stride);
+/// What a round of feedback could take off is the part of the sum of squared distances that is
+/// beyond the bound at which a cell is far. By one of `stride` cells: if that is less than
+/// `least_share`, no round is made. 0: it is made in any case.
+struct FeedbackLook {
+    double least_share = 0;
+    std::uint64_t stride = 1;
+};
 
 /// What a quadric cannot see: thin pieces have almost no error in any plane, whatever becomes of
 /// them, so they vanish first, and a small place that is far off counts as little as its area. Here
@@ -41,9 +45,10 @@ double share_far(ooc::Context& context, const cluster::CellBlocks& cells, const 
 /// each region in work its faces and 4 bytes a cell; 8 bytes a cell on spools; a PointTree of up to
 /// 65,536 vertices where something has vanished. Nothing depends on
 /// threads or memory.
-/// `far_distance`, in cells, takes the place of the several times if it is not 0.
+/// `far_distance`, in cells, takes the place of the several times if it is not 0. One pass over
+/// cells and faces more for a look.
 FeedbackResult feed_back(ooc::Context& context, const cluster::CellBlocks& cells,
                          const MeshStore& mesh, std::span<const std::uint64_t> first_cluster,
-                         double far_distance);
+                         double far_distance, const FeedbackLook& look);
 
 }  // namespace hewer::rsimp

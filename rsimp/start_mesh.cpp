@@ -158,14 +158,14 @@ double improve(ooc::Context& context, CellBlocks& cells, const SimplifyOptions& 
         return before;
     }
     const double cell_size = cells.grid.cell_size(cells.lattice);
-    if (looks_before_feedback(options) &&
-        share_far(context, cells, mesh, start.finisher->first_cluster(), kLookStride) <
-            kFarShareWorthFeedback) {
+    FeedbackResult result =
+        feed_back(context, cells, mesh, start.finisher->first_cluster(),
+                  options.feedback_distance / cell_size,
+                  {looks_before_feedback(options) ? kFarShareWorthFeedback : 0, kLookStride});
+    if (!result.is_made) {
         start.finished = std::move(mesh);
         return before;
     }
-    FeedbackResult result = feed_back(context, cells, mesh, start.finisher->first_cluster(),
-                                      options.feedback_distance / cell_size);
     FeedbackReport& feedback = report.feedback;
     feedback.far_cells = result.n_far;
     feedback.last_worst = cell_size * result.worst;
