@@ -2,13 +2,11 @@
 #include "cluster/accumulate.h"
 
 #include <atomic>
-#include <bit>
-#include <cmath>
-#include <cstring>
 #include <map>
 #include <mutex>
 #include <optional>
 
+#include "cluster/four_triangles.h"
 #include "cluster/hash.h"
 #include "ooc/parallel.h"
 #include "ooc/vector_clones.h"
@@ -29,12 +27,6 @@ namespace {
 // Areas add up as integers too: the report must not depend on the order of the batches.
 constexpr double kAreaScale = 1024;
 
-struct Corner {
-    LatticePoint point;
-    std::uint32_t cell;
-};
-static_assert(sizeof(Corner) == sizeof(Words));
-
 /// One worker's view of the pass.
 class Accumulator {
   public:
@@ -48,11 +40,16 @@ class Accumulator {
           with_face_normals_(with_face_normals),
           is_shared_(context.n_threads() > 1) {}
 
-    void add(const std::array<Corner, 3>& t) {
-        if (add_to_cells(t)) triples_.push(budget_, {t[0].cell, t[1].cell, t[2].cell});
+    /// Where corner v of the next triangle belongs. Not handed over to add(): a corner that is
+    /// copied as a whole right after its parts were written stalls.
+    Corner& corner(std::size_t v) { return waiting_[v][n_waiting_]; }
+    /// Adds the triangle whose corners are in place.
+    void add() {
+        if (++n_waiting_ == 4) add_waiting();
     }
 
     void flush() {
+        if (n_waiting_ > 0) add_waiting();
         for (Pending& pending : pending_) empty(pending);
     }
 
@@ -63,12 +60,13 @@ class Accumulator {
   private:
     struct Pending {
         std::uint32_t cell = CellTable::kNone;
-        CellContribution sums;
+        CellContribution sums{};
     };
     HEWER_INLINE void empty(Pending& pending) noexcept {
         if (pending.cell == CellTable::kNone) return;
         pending.sums.add_to(table_.sums(pending.cell), is_shared_);
-        pending = {};
+        pending.cell = CellTable::kNone;
+        pending.sums.clear();
     }
     HEWER_INLINE CellContribution& sums_of(std::uint32_t cell) noexcept {
         Pending& pending = pending_[cell % kPending];
@@ -79,89 +77,49 @@ class Accumulator {
         return pending.sums;
     }
 
-    using Longs = std::uint64_t __attribute__((vector_size(32)));
-
-    /// A corner in lanes; the fourth, of the cell's number, is carried along and means nothing.
-    struct CornerLanes {
-        Reals point;   // lattice steps
-        Reals offset;  // from the cell's centre, in cells, truncated to 2^-52
-        Words whole;   // in 2^-border_bits cells, modulo 2^32, as all arithmetic on borders:
-                       // differences of them are right
-    };
-    HEWER_INLINE void load(const Corner& corner, CornerLanes& lanes) const {
-        constexpr double kInteger = 4503599627370496.0;  // 2^52: its low bits count units
-        Words words;
-        std::memcpy(&words, &corner, sizeof words);
-        const Longs wide = __builtin_convertvector(words, Longs);
-        lanes.point =
-            reinterpret_cast<Reals>(wide | std::bit_cast<std::uint64_t>(kInteger)) - kInteger;
-        const Longs place = wide * grid_.multiplier();
-        const unsigned fraction_bits = grid_.fraction_bits();
-        const Longs fraction = (place << (64 - fraction_bits)) >> 12;
-        lanes.offset = reinterpret_cast<Reals>(fraction | std::bit_cast<std::uint64_t>(1.0)) - 1.5;
-        lanes.whole = __builtin_convertvector(place >> (fraction_bits - fixed_.border_bits), Words);
-    }
-    /// Relative to the centre of the cell that the point is in.
-    HEWER_INLINE void relative_to_cell(const Words& whole, Words& relative) const {
-        const std::uint32_t unit = 1U << fixed_.border_bits;
-        relative = (whole & (unit - 1)) - unit / 2;
-    }
-
-    /// Whether the triangle survives. Must not throw: GCC takes callers of clones for callers of
-    /// functions that never do, and an exception would end the process.
-    HEWER_VECTOR_CLONES bool add_to_cells(const std::array<Corner, 3>& t) noexcept {
-        ++n_triangles;
-        std::array<CornerLanes, 3> lanes;
-        for (std::size_t v = 0; v < 3; ++v) load(t[v], lanes[v]);
-        const double step = grid_.step_in_cells();
-        const Reals edge1 = (lanes[1].point - lanes[0].point) * step;
-        const Reals edge2 = (lanes[2].point - lanes[0].point) * step;
-        Reals cross2;
-        cross_lanes(edge1, edge2, cross2);
-        const Reals squares = cross2 * cross2;
-        const double length = std::sqrt(squares[0] + squares[1] + squares[2]);
-        const double area = 0.5 * length;
-        const bool is_flat = !(length > 0);
-        if (is_flat) ++n_degenerate;
-        const Reals normal = cross2 * (is_flat ? 0 : 1 / length);
-        area_units += round_to_int(area * kAreaScale);
-
-        const bool same01 = t[0].cell == t[1].cell;
-        const bool same12 = t[1].cell == t[2].cell;
-        if (same01 && same12) {
-            CellContribution& sums = sums_of(t[0].cell);
-            const WeightedPlane plane(fixed_, normal, area);
-            sums.add_plane(plane,
-                           (1.0 / 3) * (lanes[0].offset + lanes[1].offset + lanes[2].offset));
-            // The border vectors of the three corners cancel; their moments come to twice
-            // (b - a) x (c - a).
-            Words moment;
-            cross_lanes(lanes[1].whole - lanes[0].whole, lanes[2].whole - lanes[0].whole, moment);
-            sums.add_border(Words{}, 2 * moment);
-            if (with_face_normals_) add_face_normal(t[0].cell, normal, area);
-            return false;
+    void add_waiting() {
+        add_to_cells();
+        for (std::size_t i = 0; i < n_waiting_; ++i) {
+            const CellTriple triple = {waiting_[0][i].cell, waiting_[1][i].cell,
+                                       waiting_[2][i].cell};
+            if (triple[0] != triple[1] && triple[1] != triple[2] && triple[0] != triple[2]) {
+                triples_.push(budget_, triple);
+            }
         }
-        const WeightedPlane plane(fixed_, normal, area / 3);
-        for (std::size_t v = 0; v < 3; ++v) {
-            CellContribution& sums = sums_of(t[v].cell);
-            sums.add_plane(plane, lanes[v].offset);
-            // w - u for the corner v of (u, v, w)
-            const Words chord = lanes[(v + 1) % 3].whole - lanes[(v + 2) % 3].whole;
-            Words relative;
-            relative_to_cell(lanes[v].whole, relative);
-            Words moment;
-            cross_lanes(relative, chord, moment);
-            sums.add_border(chord, moment);
-            if (with_face_normals_) add_face_normal(t[v].cell, normal, area / 3);
-        }
-        return !same01 && !same12 && t[0].cell != t[2].cell;
+        n_triangles += n_waiting_;
+        n_waiting_ = 0;
     }
-    HEWER_INLINE void add_face_normal(std::uint32_t cell, const Reals& normal, double area) {
+    /// Must not throw: GCC takes callers of clones for callers of functions that never do, and an
+    /// exception would end the process. Lanes beyond n_waiting_ have triangles of before.
+    HEWER_VECTOR_CLONES void add_to_cells() noexcept {
+        const FourTriangles triangles(waiting_, grid_, fixed_);
+        Ints areas;
+        round_to_ints(triangles.area * kAreaScale, areas);
+        bool is_all_inside = true;
+        for (std::size_t i = 0; i < n_waiting_; ++i) {
+            area_units += areas[i];
+            if (triangles.is_flat[i] != 0) ++n_degenerate;
+            is_all_inside &= triangles.is_inside[i] != 0;
+        }
+        std::array<CellContribution, 4> contributions;
+        const std::size_t n_corners = is_all_inside ? 1 : 3;
+        for (std::size_t v = 0; v < n_corners; ++v) {
+            triangles.contribute(v, contributions);
+            for (std::size_t i = 0; i < n_waiting_; ++i) {
+                if (v > 0 && triangles.is_inside[i] != 0) continue;
+                sums_of(waiting_[v][i].cell).add(contributions[i]);
+                if (with_face_normals_) add_face_normal(waiting_[v][i].cell, triangles, i);
+            }
+        }
+    }
+    HEWER_INLINE void add_face_normal(std::uint32_t cell, const FourTriangles& triangles,
+                                      std::size_t i) {
         AttributeSums& sums = table_.attributes(cell);
         std::uint32_t unshared = 0;
         const FieldLock lock(is_shared_ ? table_.sums(cell).lock : unshared);
-        for (std::size_t i = 0; i < 3; ++i) {
-            sums.face_normal[i] += round_to_int(area * normal[i] * fixed_.scale);
+        for (std::size_t k = 0; k < 3; ++k) {
+            sums.face_normal[k] +=
+                round_to_int(triangles.share[i] * triangles.normal[k][i] * fixed_.scale);
         }
     }
 
@@ -172,6 +130,8 @@ class Accumulator {
     TripleList& triples_;
     bool with_face_normals_;
     bool is_shared_;
+    FourCorners waiting_{};
+    std::size_t n_waiting_ = 0;
     // The cells of a triangle are mostly those of the ones before: they are added up here first.
     static constexpr std::uint32_t kPending = 64;
     std::array<Pending, kPending> pending_;
@@ -223,7 +183,6 @@ class CornerFinder {
         }
         const std::uint64_t n_admitted = table_.share() / 3;
         std::uint64_t n_left_out = 0;
-        std::array<Corner, 3> t;
         for (std::size_t k = 0; k < batch.corners.size();) {
             const std::size_t end = std::min<std::size_t>(batch.corners.size(), k + n_admitted);
             const CellTable::Admission admission(table_, 3 * (end - k));
@@ -231,10 +190,10 @@ class CornerFinder {
             for (; k < end && !view_->is_full(); ++k) {
                 bool is_usable = true;
                 for (std::size_t c = 0; c < 3; ++c) {
-                    is_usable &= find(batch.corners[k][c], t[c]);
+                    is_usable &= find(batch.corners[k][c], accumulator.corner(c));
                 }
                 if (is_usable) {
-                    accumulator.add(t);
+                    accumulator.add();
                 } else {
                     ++n_left_out;
                 }
@@ -248,8 +207,10 @@ class CornerFinder {
             const CellTable::Admission admission(table_, 3 * (end - i));
             recent_.begin();
             for (std::size_t k = i; k < end; ++k) {
-                for (std::size_t c = 0; c < 3; ++c) t[c] = locate(batch.points[k][c]);
-                accumulator.add(t);
+                for (std::size_t c = 0; c < 3; ++c) {
+                    accumulator.corner(c) = locate(batch.points[k][c]);
+                }
+                accumulator.add();
             }
             accumulator.flush();
         }
@@ -339,7 +300,6 @@ AccumulateResult accumulate(ooc::Context& context, TrianglePartition& partition,
     context.workers().on_each([&](unsigned worker) {
         Accumulator accumulator(context, grid, table, triples[worker], with_face_normals);
         std::vector<LatticeTriangle> points;
-        std::array<Corner, 3> t;
         const std::uint64_t n_admitted = table.share() / 3;
         while (partition.next(points)) {
             for (std::size_t i = 0; i < points.size(); i += n_admitted) {
@@ -347,9 +307,10 @@ AccumulateResult accumulate(ooc::Context& context, TrianglePartition& partition,
                 const CellTable::Admission admission(table, 3 * (end - i));
                 for (std::size_t k = i; k < end; ++k) {
                     for (std::size_t c = 0; c < 3; ++c) {
-                        t[c] = {points[k][c], table.find_or_insert(grid.key(points[k][c]))};
+                        accumulator.corner(c) = {points[k][c],
+                                                 table.find_or_insert(grid.key(points[k][c]))};
                     }
-                    accumulator.add(t);
+                    accumulator.add();
                 }
                 accumulator.flush();
             }

@@ -6,12 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 
-#include "cluster/quadric.h"
-#include "ooc/vector_clones.h"
+#include "cluster/lanes.h"
 
 namespace hewer::cluster {
 
@@ -109,81 +107,33 @@ class FieldLock {
     std::atomic_ref<std::uint32_t> field_;
 };
 
-/// Nearest integer of x for |x| < 2^51, without a library call and in vector registers.
-inline constexpr double kRounding = 6755399441055744.0;  // 1.5 * 2^52
-inline std::int64_t round_to_int(double x) {
-    return std::bit_cast<std::int64_t>(x + kRounding) - std::bit_cast<std::int64_t>(kRounding);
-}
-
-/// Four numbers that the compiler keeps in one or two registers: three coordinates and one more.
-/// Scalars that are stored and then loaded as vectors stall.
-using Reals = double __attribute__((vector_size(32)));
-using Ints = std::int64_t __attribute__((vector_size(32)));
-using Words = std::uint32_t __attribute__((vector_size(16)));
-
-/// Rounded; see round_to_int().
-HEWER_INLINE void round_to_ints(const Reals& x, Ints& result) {
-    result =
-        reinterpret_cast<Ints>(x + kRounding) - std::bit_cast<std::int64_t>(kRounding);  // NOLINT
-}
-
-/// Coordinates 1, 2, 0 of those 0, 1, 2.
-template <typename Lanes>
-HEWER_INLINE void rotate_up(const Lanes& a, Lanes& result) {
-    result = __builtin_shufflevector(a, a, 1, 2, 0, 3);
-}
-/// The cross product; lane 3 is what the lanes 3 come to.
-template <typename Lanes>
-HEWER_INLINE void cross_lanes(const Lanes& a, const Lanes& b, Lanes& result) {
-    Lanes up_a;
-    Lanes up_b;
-    rotate_up(a, up_a);
-    rotate_up(b, up_b);
-    const Lanes rotated = a * up_b - up_a * b;
-    rotate_up(rotated, result);
-}
-
-/// A plane with a unit normal and an area, as much of it as all corners of a triangle share.
-struct WeightedPlane {
-    HEWER_INLINE WeightedPlane(const FixedPoint& fixed, const Reals& unit_normal, double area)
-        : normal(unit_normal), weight(area * fixed.scale) {
-        const Reals& n = normal;
-        const Reals wn = weight * n;
-        round_to_ints(Reals{wn[0], wn[0], wn[0], wn[1]} * Reals{n[0], n[1], n[2], n[1]}, a);
-        yz = round_to_int(wn[1] * n[2]);
-        zz = round_to_int(wn[2] * n[2]);
-    }
-    Reals normal;  ///< lane 3 does not matter
-    Ints a;        ///< xx xy xz yy
-    std::int64_t yz;
-    std::int64_t zz;
-    double weight;
-};
-
 /// What one or several triangles add to a cell.
-class CellContribution {
-  public:
-    /// Adds a plane that passes through the points whose mean is `at` (relative to the cell's
-    /// centre, in cells; lane 3 does not matter).
-    HEWER_INLINE void add_plane(const WeightedPlane& plane, const Reals& at) {
-        a_ += plane.a;
-        yz_ += plane.yz;
-        zz_ += plane.zz;
-        const Reals along = plane.normal * at;
-        const double d = along[0] + along[1] + along[2];
-        Reals n_and_d = plane.normal;
-        n_and_d[3] = -d;
-        Ints rounded;
-        round_to_ints((-plane.weight * d) * n_and_d, rounded);
-        b_and_c_ += rounded;
-        round_to_ints(plane.weight * at, rounded);
-        moment_ += rounded;
-    }
-    HEWER_INLINE void add_border(const Words& chord, const Words& moment) {
-        chord_ += chord;
-        border_moment_ += moment;
-    }
+struct CellContribution {
+    Ints a;              ///< xx xy xz yy of the planes
+    Ints b_and_c;        ///< b, then c
+    Ints moment_and_yz;  ///< area * corner, then yz
+    Words chord;         ///< lane 3 means nothing, here and below
+    Words border_moment;
+    std::int64_t zz;
 
+    /// Member by member: as a whole it would be cleared by a string instruction that takes longer
+    /// than adding a triangle.
+    HEWER_INLINE void clear() {
+        a = Ints{};
+        b_and_c = Ints{};
+        moment_and_yz = Ints{};
+        chord = Words{};
+        border_moment = Words{};
+        zz = 0;
+    }
+    HEWER_INLINE void add(const CellContribution& other) {
+        a += other.a;
+        b_and_c += other.b_and_c;
+        moment_and_yz += other.moment_and_yz;
+        chord += other.chord;
+        border_moment += other.border_moment;
+        zz += other.zz;
+    }
     void add_to(CellSums& sums, bool shared) const {
         if (shared) {
             const FieldLock lock(sums.lock);
@@ -195,25 +145,17 @@ class CellContribution {
 
   private:
     void add_unlocked(CellSums& sums) const {
-        for (std::size_t i = 0; i < 4; ++i) sums.surface[i] += a_[i];
-        sums.surface[4] += yz_;
-        sums.surface[5] += zz_;
-        for (std::size_t i = 0; i < 4; ++i) sums.surface[6 + i] += b_and_c_[i];
-        for (std::size_t i = 0; i < 3; ++i) sums.surface[10 + i] += moment_[i];
+        for (std::size_t i = 0; i < 4; ++i) sums.surface[i] += a[i];
+        sums.surface[4] += moment_and_yz[3];
+        sums.surface[5] += zz;
+        for (std::size_t i = 0; i < 4; ++i) sums.surface[6 + i] += b_and_c[i];
         for (std::size_t i = 0; i < 3; ++i) {
-            sums.border[i] += chord_[i];
-            sums.border[3 + i] += border_moment_[i];
+            sums.surface[10 + i] += moment_and_yz[i];
+            sums.border[i] += chord[i];
+            sums.border[3 + i] += border_moment[i];
         }
         sums.is_touched = 1;
     }
-
-    Ints a_{};
-    Ints b_and_c_{};
-    Ints moment_{};  // lane 3 means nothing, here and below
-    Words chord_{};
-    Words border_moment_{};
-    std::int64_t yz_ = 0;
-    std::int64_t zz_ = 0;
 };
 
 }  // namespace hewer::cluster

@@ -7,6 +7,7 @@
 
 #include "cluster/cell_record.h"
 #include "cluster/cell_sums.h"
+#include "cluster/quadric.h"
 
 namespace hewer::cluster {
 
