@@ -20,8 +20,6 @@ constexpr double kMostTurn = .7;
 constexpr double kLeastShape = .1;
 // Of the weight of all points of two faces: what the middle of the new edge gets.
 constexpr double kMiddleShare = .2;
-// Cosine between a point's normal and its face's below which they belong to different sheets.
-constexpr double kLeastCosine = -.2;
 constexpr std::size_t kHalfEdgesPerSearch = 1024;
 
 std::uint32_t next_in_face(std::uint32_t half_edge) {
@@ -181,8 +179,7 @@ double EdgeFlips::cost(const WeightedPoint& point, const LocalFace& face) const 
     const Vec3& a = positions_[face[0]];
     const Vec3& b = positions_[face[1]];
     const Vec3& c = positions_[face[2]];
-    const Vec3 normal = cross(b - a, c - a);
-    if (dot(normal, as_vec3(point.normal)) < kLeastCosine * length_of(normal)) {
+    if (shows_back(cross(b - a, c - a), as_vec3(point.normal))) {
         return std::numeric_limits<double>::infinity();
     }
     return squared_distance(as_vec3(point.position), a, b, c);

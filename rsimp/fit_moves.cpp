@@ -20,9 +20,6 @@ constexpr double kOverRelaxation = 1.5;
 // Of the trace of a vertex' matrix: what the point nearest to the vertex itself gets. Points are
 // the dearer the fewer they are: a tenth costs 3 % of RMS where there are five to a vertex.
 constexpr double kVertexShare = .06;
-// Cosine between a point's normal and its face's below which they belong to different sheets. Noise
-// turns normals far, but hardly over.
-constexpr double kLeastCosine = -0.2;
 // Cosines of how far a face may turn in a round, and in all of them.
 constexpr double kMostTurn = 0.5;
 constexpr double kMostTurnOfAll = 0.17;
@@ -103,7 +100,7 @@ void FitMoves::pull(const WeightedPoint& point, std::uint32_t nearest_face, floa
     const double length = std::sqrt(dot(residual, residual));
     Vec3 n = unit(cross(b - a, c - a));
     const Vec3 front = as_vec3(point.normal);
-    if (dot(n, front) < kLeastCosine) return;
+    if (shows_back(n, front)) return;
     if (!foot.is_inside && length > kTiny) n = (1 / length) * residual;
     const double d = dot(residual, n);
     for (std::size_t k = 0; k < 3; ++k) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 
 #include "ooc/vec3.h"
 
@@ -21,6 +22,13 @@ inline double squared_distance(const Vec3& p, const Vec3& a, const Vec3& b, cons
     const TriangleFoot foot = foot_of(p, a, b, c);
     const Vec3 way = p - (foot.weights[0] * a + foot.weights[1] * b + foot.weights[2] * c);
     return dot(way, way);
+}
+
+/// Whether a face with this normal, of any length, shows its back to a point of a surface with the
+/// unit normal `front`: they belong to different sheets. Noise turns normals far, but hardly over.
+inline bool shows_back(const Vec3& normal, const Vec3& front) {
+    constexpr double kLeastCosine = -0.2;
+    return dot(normal, front) < kLeastCosine * std::sqrt(dot(normal, normal));
 }
 
 }  // namespace hewer::rsimp

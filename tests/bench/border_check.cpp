@@ -27,11 +27,11 @@
 #include <exception>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "tests/bench/disjoint_sets.h"
 #include "tests/bench/plain_ply.h"
 
 namespace {
@@ -71,21 +71,6 @@ struct Edge {
 };
 
 /// Disjoint sets of things with numbers.
-class Sets {
-  public:
-    explicit Sets(std::size_t n) : parent_(n) {
-        std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
-    }
-    std::uint32_t root(std::uint32_t v) {
-        while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
-        return v;
-    }
-    void join(std::uint32_t a, std::uint32_t b) { parent_[root(a)] = root(b); }
-
-  private:
-    std::vector<std::uint32_t> parent_;
-};
-
 double dot(const Point& a, const Point& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
@@ -139,27 +124,8 @@ void measure_loops(Border& border) {
     }
 }
 
-/// The smallest vertex at the same position, by vertex.
-std::vector<std::uint32_t> join_equal(const bench::PlainMesh& mesh) {
-    const auto position = [&](std::uint32_t v) {
-        const float* p = &mesh.positions[std::size_t{3} * v];
-        return std::array<float, 3>{p[0], p[1], p[2]};
-    };
-    std::vector<std::uint32_t> order(mesh.positions.size() / 3);
-    std::iota(order.begin(), order.end(), std::uint32_t{0});
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-        return std::pair(position(a), a) < std::pair(position(b), b);
-    });
-    std::vector<std::uint32_t> first(order.size());
-    for (std::size_t i = 0; i < order.size(); ++i) {
-        const bool is_repeat = i > 0 && position(order[i]) == position(order[i - 1]);
-        first[order[i]] = is_repeat ? first[order[i - 1]] : order[i];
-    }
-    return first;
-}
-
 Border find_border(const bench::PlainMesh& mesh) {
-    const std::vector<std::uint32_t> first = join_equal(mesh);
+    const std::vector<std::uint32_t> first = bench::first_at_position(mesh);
     std::vector<std::array<std::uint32_t, 3>> faces;
     std::vector<Edge> edges;
     for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
@@ -179,7 +145,7 @@ Border find_border(const bench::PlainMesh& mesh) {
         const auto& f = faces[face];
         return 3 * face + (f[0] == vertex ? 0U : (f[1] == vertex ? 1U : 2U));
     };
-    Sets fans(3 * faces.size());
+    bench::DisjointSets fans(3 * faces.size());
     std::vector<Edge> open;
     for (std::size_t i = 0, next = 0; i < edges.size(); i = next) {
         for (next = i + 1; next < edges.size() && edges[next].is_same(edges[i]); ++next) {
@@ -189,7 +155,7 @@ Border find_border(const bench::PlainMesh& mesh) {
         }
         if (next - i == 1) open.push_back(edges[i]);
     }
-    Sets loops(open.size());
+    bench::DisjointSets loops(open.size());
     std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;  // fan, border edge
     for (std::uint32_t i = 0; i < open.size(); ++i) {
         for (const std::uint32_t v : {open[i].low, open[i].high}) {

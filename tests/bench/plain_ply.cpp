@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "tests/bench/plain_ply.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <charconv>
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <numeric>
 #include <span>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 namespace bench {
 namespace {
@@ -267,6 +270,24 @@ void write_plain_ply(const std::string& path, const PlainMesh& mesh) {
     }
     std::fwrite(records.data(), 1, records.size(), file.get());
     if (std::fflush(file.get()) != 0 || std::ferror(file.get())) fail(path, "cannot be written");
+}
+
+std::vector<std::uint32_t> first_at_position(const PlainMesh& mesh) {
+    const auto position = [&](std::uint32_t v) {
+        const float* p = &mesh.positions[std::size_t{3} * v];
+        return std::array<float, 3>{p[0], p[1], p[2]};
+    };
+    std::vector<std::uint32_t> order(mesh.positions.size() / 3);
+    std::iota(order.begin(), order.end(), std::uint32_t{0});
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return std::pair(position(a), a) < std::pair(position(b), b);
+    });
+    std::vector<std::uint32_t> first(order.size());
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        const bool is_repeat = i > 0 && position(order[i]) == position(order[i - 1]);
+        first[order[i]] = is_repeat ? first[order[i - 1]] : order[i];
+    }
+    return first;
 }
 
 }  // namespace bench

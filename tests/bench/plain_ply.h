@@ -24,4 +24,7 @@ PlainMesh read_plain_ply(const std::string& path);
 /// Binary little-endian. Throws std::runtime_error.
 void write_plain_ply(const std::string& path, const PlainMesh& mesh);
 
+/// For each vertex the first one at its position; -0 equals 0.
+std::vector<std::uint32_t> first_at_position(const PlainMesh& mesh);
+
 }  // namespace bench

@@ -17,11 +17,11 @@
 #include <cstdio>
 #include <exception>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "tests/bench/disjoint_sets.h"
 #include "tests/bench/openmesh_judge.h"
 #include "tests/bench/plain_ply.h"
 
@@ -75,27 +75,6 @@ std::uint64_t count_duplicates(const Ids& ids) {
 }
 
 /// Disjoint sets of vertices (path halving).
-class Sets {
-  public:
-    explicit Sets(std::size_t n) : parent_(n) {
-        std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
-    }
-    std::uint32_t root(std::uint32_t v) {
-        while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
-        return v;
-    }
-    /// Whether two sets became one.
-    bool join(std::uint32_t a, std::uint32_t b) {
-        a = root(a);
-        b = root(b);
-        parent_[std::max(a, b)] = std::min(a, b);
-        return a != b;
-    }
-
-  private:
-    std::vector<std::uint32_t> parent_;
-};
-
 struct EdgeCounts {
     std::uint64_t edges = 0;
     std::uint64_t border = 0;       ///< one face
@@ -128,7 +107,7 @@ ordered_json describe(const Ids& all_ids, std::size_t n_vertices) {
     for (const std::uint32_t v : ids) is_used[v] = true;
     const auto n_used =
         static_cast<std::uint64_t>(std::count(is_used.begin(), is_used.end(), true));
-    Sets sets(n_vertices);
+    bench::DisjointSets sets(n_vertices);
     std::uint64_t n_components = n_used;
     for (const Edge& edge : edges) {
         const auto a = static_cast<std::uint32_t>(edge.ends >> 32);
@@ -148,20 +127,7 @@ ordered_json describe(const Ids& all_ids, std::size_t n_vertices) {
 
 /// The same triangles, each vertex replaced by the first at its position (-0 equals 0).
 Ids merge_equal_positions(const bench::PlainMesh& mesh) {
-    const auto position = [&](std::uint32_t v) {
-        const float* p = &mesh.positions[std::size_t{3} * v];
-        return std::array<float, 3>{p[0], p[1], p[2]};
-    };
-    std::vector<std::uint32_t> order(mesh.positions.size() / 3);
-    std::iota(order.begin(), order.end(), std::uint32_t{0});
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-        return std::pair(position(a), a) < std::pair(position(b), b);
-    });
-    std::vector<std::uint32_t> first(order.size());
-    for (std::size_t i = 0; i < order.size(); ++i) {
-        const bool is_repeat = i > 0 && position(order[i]) == position(order[i - 1]);
-        first[order[i]] = is_repeat ? first[order[i - 1]] : order[i];
-    }
+    const std::vector<std::uint32_t> first = bench::first_at_position(mesh);
     Ids merged = mesh.indices;
     for (std::uint32_t& v : merged) v = first[v];
     return merged;
