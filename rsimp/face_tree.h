@@ -30,6 +30,7 @@ class FaceTree {
     /// Faces may be degenerate. O(n log n).
     FaceTree(std::span<const Point3f> points, std::span<const LocalFace> faces);
 
+    /// Precondition, here and below: `p` is finite, and there are faces.
     /// The nearest face if its squared distance is at most `most`, else one with face == kNone.
     /// `guess` is the slot of any face; the nearer it is, the shorter the search.
     [[nodiscard]] Hit nearest(const Point3f& p, float most, std::uint32_t guess) const;

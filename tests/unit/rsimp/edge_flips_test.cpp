@@ -86,7 +86,7 @@ std::vector<WeightedPoint> ridge_points() {
     return points;
 }
 
-/// Points of the unit sphere, or of where noise has put it.
+/// Up to `n` points beside the faces.
 std::vector<WeightedPoint> points_around(const Mesh& mesh, std::uint64_t n, std::uint64_t seed) {
     test::Random random(seed);
     std::vector<WeightedPoint> points;
@@ -102,6 +102,7 @@ std::vector<WeightedPoint> points_around(const Mesh& mesh, std::uint64_t n, std:
         const Vec3 q = p + (a * (mesh.positions[t[1]] - p)) + (b * (mesh.positions[t[2]] - p));
         const Vec3 n_of = test::cross_of(mesh, t);
         const double length = std::sqrt(dot(n_of, n_of));
+        if (!(length > 0)) continue;  // no normal
         points.push_back(point_at(q + (random.between(-0.1, 0.1) / length) * n_of,
                                   (1 / length) * n_of, static_cast<float>(random.unit())));
     }
