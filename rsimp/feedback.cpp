@@ -216,6 +216,7 @@ class Distances {
                 histogram.add(d, run[i].area);
             }
             n_done += run.size();
+            context_.advance(run.size());
         }
     }
 

@@ -148,7 +148,7 @@ Attempt refine_to_budget(ooc::Context& context, const CellBlocks& cells,
 /// that of the round before is `before`.
 double improve(ooc::Context& context, CellBlocks& cells, const SimplifyOptions& options,
                double before, Attempt& attempt, StageLog& stages, SimplifyReport& report) {
-    stages.begin("feedback", 0, "collapses");
+    stages.begin("finish", 0, "collapses");
     StartMesh& start = attempt.start;
     MeshStore mesh =
         start.finisher->run(collapse_target(options.targets.front(), report), false, start.finish);
@@ -157,6 +157,7 @@ double improve(ooc::Context& context, CellBlocks& cells, const SimplifyOptions& 
         attempt = refine_to_budget(context, cells, options, stages, report);
         return before;
     }
+    stages.begin("feedback", 0, "cells");
     const double cell_size = cells.grid.cell_size(cells.lattice);
     FeedbackResult result =
         feed_back(context, cells, mesh, start.finisher->first_cluster(),
