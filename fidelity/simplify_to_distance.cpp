@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "fidelity/budget_search.h"
+#include "fidelity/failing_places.h"
 #include "fidelity/kept_mesh.h"
 #include "hewer/certify.h"
 #include "hewer/error.h"
@@ -30,9 +33,19 @@ constexpr double kSafety = 0.995;
 // Places that are farther than this part of the bound get more of the budget.
 constexpr double kFar = 0.7;
 constexpr unsigned kFeedbackRounds = 3;
+// Runs with one budget, each with more weight on the places at which those before fail, and all
+// runs after which none is repeated.
+constexpr unsigned kRunsPerBudget = 4;
+constexpr std::size_t kMostRuns = 24;
+// Of the square of its edge: the area of an equilateral triangle.
+constexpr double kTriangleArea = 0.43;
 
 double larger(const MeasureReport& r) {
     return std::max(r.forward.maximum, r.backward.maximum);
+}
+
+const MeasureReport& measured(const SimplifyReport& report) {
+    return *report.lods.front().measured;
 }
 
 /// Progress of a run whose end nobody knows: each try takes a quarter of what is left.
@@ -97,20 +110,16 @@ class Search {
     std::unique_ptr<Try> run() {
         unsigned n_refused = 0;
         while (const auto budget = search_.next()) {
-            std::unique_ptr<Try> one;
             try {
-                one = make(*budget);
+                std::unique_ptr<Try> one = nearest_of(*budget);
+                const double distance = larger(measured(one->report));
+                search_.add(*budget, distance);
+                if (search_.best() == one->budget) best_ = std::move(one);
             } catch (const TopologyLimit& limit) {
                 // The topology is to stay: what can be met begins higher up.
                 if (limit.least_triangles() > source_->info().n_faces || ++n_refused > 2) throw;
                 search_.raise_least(limit.least_triangles());
-                continue;
             }
-            const MeasureReport& measured = *one->report.lods.front().measured;
-            if (bound_ == 0) set_bound(target_.value * measured.bounds.diagonal());
-            search_.add(*budget, larger(measured));
-            steps_.push_back({one->report.lods.front().triangles, larger(measured)});
-            if (search_.best() == one->budget) best_ = std::move(one);
         }
         if (!best_) refuse();
         best_->report.search = steps_;
@@ -128,12 +137,36 @@ class Search {
         }
     }
 
-    std::unique_ptr<Try> make(std::uint64_t budget) {
+    /// The nearest of some runs with this budget. Most of a surface is far nearer than its farthest
+    /// places, in which one run fails and another does not: these get more weight, from now on.
+    std::unique_ptr<Try> nearest_of(std::uint64_t budget) {
+        std::unique_ptr<Try> nearest;
+        for (unsigned i = 0; i < kRunsPerBudget; ++i) {
+            std::unique_ptr<Try> one = make(budget, nearest ? budget : 0);
+            const MeasureReport& m = measured(one->report);
+            if (bound_ == 0) set_bound(target_.value * m.bounds.diagonal());
+            const double distance = larger(m);
+            steps_.push_back({one->report.lods.front().triangles, distance});
+            const bool is_over = distance <= bound_ || !fidelity::fails_in_places(m, bound_) ||
+                                 steps_.size() >= kMostRuns || budget >= source_->info().n_faces;
+            if (!is_over) {
+                const double area = one->report.input.area / static_cast<double>(budget);
+                fidelity::focus_on_failures(m, bound_, std::sqrt(area / kTriangleArea),
+                                            options_.focus);
+            }
+            if (!nearest || distance < larger(measured(nearest->report))) nearest = std::move(one);
+            if (is_over) break;
+        }
+        return nearest;
+    }
+
+    /// Beside the best result, `n_kept` triangles of others are in memory.
+    std::unique_ptr<Try> make(std::uint64_t budget, std::uint64_t n_kept) {
         progress_.begin_try();
         auto one = std::make_unique<Try>();
         one->budget = budget;
         const std::uint64_t kept =
-            KeptMesh::kBytesPerTriangle * (budget + (best_ ? best_->budget : 0));
+            KeptMesh::kBytesPerTriangle * (budget + n_kept + (best_ ? best_->budget : 0));
         options_.memory_bytes = limit_ - std::min(limit_ - 1, kept);
         SimplifyOptions options = options_;
         if (budget < source_->info().n_faces) {
@@ -143,6 +176,7 @@ class Search {
             options.targets = {{Target::Kind::Ratio, 1}};
             options.feedback_distance = 0;
             options.feedback_rounds = asked_feedback_;
+            options.focus = asked_focus_;
         }
         one->report = simplify(
             *source_, [&](std::size_t) { return one->mesh.sink(); }, options,
@@ -171,6 +205,7 @@ class Search {
     std::unique_ptr<MeshSource> source_;
     SimplifyOptions options_;
     std::optional<unsigned> asked_feedback_ = options_.feedback_rounds;
+    std::vector<FocusBox> asked_focus_ = options_.focus;
     Target target_;
     std::uint64_t limit_;
     SearchProgress progress_;

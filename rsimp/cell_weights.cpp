@@ -31,7 +31,7 @@ void weigh(CellRecord& cell, float weight) {
 void warn_of_empty(ooc::Context& context, std::span<const FocusBox> focus,
                    const std::vector<std::uint64_t>& n_cells) {
     for (std::size_t i = 0; i < focus.size(); ++i) {
-        if (n_cells[i] > 0) continue;
+        if (n_cells[i] > 0 || focus[i].may_be_empty) continue;
         const Bounds& b = focus[i].box;
         std::ostringstream text;
         text << "--focus: no part of the surface lies in the box " << b.min[0] << ',' << b.min[1]

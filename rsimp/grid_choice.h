@@ -42,8 +42,12 @@ constexpr unsigned default_fit_rounds(Method method) {
     if (method == Method::Uniform || method == Method::Copy) return 0;
     return method == Method::Refine ? 2 : 4;
 }
-/// With fewer cells for each vertex of the finest LOD the fit looks at triangles, too.
-inline constexpr double kFewCellsPerVertex = 6;
+/// With fewer cells for each vertex of the finest LOD the fit looks at the triangles between cells.
+/// Where cells are vertices these are the input's own, and seen twice as often as vertices, which
+/// helps for longer; else they cut the corners of what the cells have averaged.
+constexpr double few_cells_per_vertex(Method method) {
+    return method == Method::Full ? 18 : 6;
+}
 /// With an error bound E the cells are at most E / kCellsPerError long.
 inline constexpr double kCellsPerError = 8;
 /// With a distance to keep (SimplifyOptions::feedback_distance) those of Method::Full are at most
@@ -74,7 +78,8 @@ double choose_resolution(const SimplifyOptions& options, const Bounds& bounds,
 /// What Method::Auto stands for; any other method as it is.
 Method method_for(const SimplifyOptions& options, const SourceInfo& info);
 
-/// Rounds of feedback at most: unless told otherwise two for Full, one for Refine, none for Uniform.
+/// Rounds of feedback at most: unless told otherwise two for Full, one for Refine, none for
+/// Uniform.
 unsigned feedback_rounds(const SimplifyOptions& options);
 /// Nobody has asked for the round: it is made only where much is far.
 bool looks_before_feedback(const SimplifyOptions& options);

@@ -92,8 +92,8 @@ std::uint64_t refine_bytes(const MemoryCounts& n) {
 
 /// What the fit, and who looks for folded faces, sees of the original.
 std::uint64_t sample_bytes(const MemoryCounts& n) {
-    const bool is_sparse =
-        static_cast<double>(n.cells) < kFewCellsPerVertex * static_cast<double>(n.lod_vertices);
+    const bool is_sparse = static_cast<double>(n.cells) <
+                           few_cells_per_vertex(n.method) * static_cast<double>(n.lod_vertices);
     return (is_sparse ? faces_of(n.cells) : n.cells) * sizeof(FitSample);
 }
 
@@ -155,6 +155,7 @@ std::uint64_t least_memory_bytes(const MemoryCounts& n) {
 
 void count_attributes(const SimplifyOptions& options, const SourceInfo& info,
                       MemoryCounts& counts) {
+    counts.method = options.method;
     counts.has_attributes =
         info.has_normals || info.has_colors || options.priority == SplitPriority::NormalVariation;
     counts.has_weights = info.has_weights && info.is_indexed;

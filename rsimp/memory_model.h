@@ -18,6 +18,7 @@ struct MemoryCounts {
     std::uint64_t lod_vertices = 0;            ///< of the largest level of detail
     std::uint64_t triangles_out_of_order = 0;  ///< all of them, or none
     unsigned n_threads = 1;
+    Method method = Method::Refine;
     bool has_attributes = false;
     bool has_weights = false;
     bool has_attribute_quadrics = false;

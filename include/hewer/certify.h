@@ -20,12 +20,13 @@ SimplifyReport simplify_and_measure(const InputPaths& input, const std::filesyst
 /// The smallest level of detail found whose measured distance from the input, the larger of both
 /// directions, at all vertices and at samples of both surfaces, is at most options.targets[0]: one
 /// target, of kind Error or RelativeError. Budgets are tried, each measured, until the smallest
-/// good one is within some 4 % of one that is not; within each run the places that are farther than
-/// the bound get more of the budget (feedback). SimplifyReport::search has the tries. The
-/// displacement that simplify() bounds for such targets is not what is searched for here.
+/// good one is within some 4 % of one that is not. Within each run the places that are farther than
+/// the bound get more of the budget (feedback); where a budget fails in a few places, it is tried
+/// again with more weight on these. SimplifyReport::search has the tries. The displacement that
+/// simplify() bounds for such targets is not what is searched for here.
 ///
-/// Passes: some ten runs of simplify() and measure(). Memory: theirs, and 46 bytes for each
-/// triangle of the result and of the try at hand.
+/// Passes: some ten to twenty-four runs of simplify() and measure(). Memory: theirs, and 46 bytes
+/// for each triangle of the result and of the one or two tries at hand.
 /// Throws: what simplify() and measure() throw; InvalidArgument if no budget is good enough, or
 /// with quantisation, which would come on top.
 SimplifyReport simplify_to_distance(const InputPaths& input, const std::filesystem::path& output,

@@ -52,7 +52,8 @@ struct Target {
 /// A place that matters more, or less, than the rest.
 struct FocusBox {
     Bounds box;
-    double weight = 1;  ///< 0 to kMostWeight; boxes that overlap multiply
+    double weight = 1;          ///< 0 to kMostWeight; boxes that overlap multiply
+    bool may_be_empty = false;  ///< no warning if none of the surface is in it
 };
 /// Largest weight of a FocusBox and of a vertex.
 inline constexpr double kMostWeight = 1000;

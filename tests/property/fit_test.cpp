@@ -62,6 +62,15 @@ TEST(Fit, MoreRoundsComeCloser) {
     EXPECT_LT(distance(mesh, fitted(mesh, 700, 16)).forward.rms, 1.02 * before);
 }
 
+TEST(Fit, SeesTheTrianglesOfAnInputThatIsNotMuchFiner) {
+    // Seven vertices for each that is left: their places alone say too little of what lies between.
+    const Mesh mesh = wavy_sphere();
+    const double triangles = 0.14 * static_cast<double>(mesh.triangles.size());
+    const double before = distance(mesh, fitted(mesh, triangles, 0, Method::Full)).forward.rms;
+    const double after = distance(mesh, fitted(mesh, triangles, 4, Method::Full)).forward.rms;
+    EXPECT_LT(after, 0.85 * before);
+}
+
 TEST(Fit, FlipsEdgesAndKeepsTheTopology) {
     for (const Mesh& mesh : {wavy_sphere(), torus(200, 100), plane_grid(100, 0.01)}) {
         const Counts plain = count(fitted(mesh, 500, 0));
