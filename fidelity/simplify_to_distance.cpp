@@ -37,6 +37,9 @@ constexpr unsigned kFeedbackRounds = 3;
 // runs after which none is repeated.
 constexpr unsigned kRunsPerBudget = 4;
 constexpr std::size_t kMostRuns = 24;
+// A try that is near enough is measured again, at so many times the points.
+constexpr std::uint64_t kCloser = 3;
+constexpr std::uint64_t kOtherSeed = 2;
 // Of the square of its edge: the area of an equilateral triangle.
 constexpr double kTriangleArea = 0.43;
 
@@ -186,8 +189,14 @@ class Search {
         how.n_threads = options_.n_threads;
         how.temp_dir = options_.temp_dir;
         how.max_temp_bytes = options_.max_temp_bytes;
-        one->report.lods.front().measured =
-            measure(*source_, *one->mesh.source("try"), how, progress_.hooks(0.6, 1));
+        std::optional<MeasureReport>& found = one->report.lods.front().measured;
+        found = measure(*source_, *one->mesh.source("try"), how, progress_.hooks(0.6, 0.8));
+        if (bound_ > 0 && larger(*found) <= bound_) {
+            // Of several tries the best is the one whose samples have missed most: look closer.
+            how.n_samples = kCloser * std::max(found->forward.n_samples, found->backward.n_samples);
+            how.seed = kOtherSeed;
+            found = measure(*source_, *one->mesh.source("try"), how, progress_.hooks(0.8, 1));
+        }
         return one;
     }
 
