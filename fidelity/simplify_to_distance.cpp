@@ -147,7 +147,6 @@ class Search {
         for (unsigned i = 0; i < kRunsPerBudget; ++i) {
             std::unique_ptr<Try> one = make(budget, nearest ? budget : 0);
             const MeasureReport& m = measured(one->report);
-            if (bound_ == 0) set_bound(target_.value * m.bounds.diagonal());
             const double distance = larger(m);
             steps_.push_back({one->report.lods.front().triangles, distance});
             const bool is_over = distance <= bound_ || !fidelity::fails_in_places(m, bound_) ||
@@ -191,7 +190,8 @@ class Search {
         how.max_temp_bytes = options_.max_temp_bytes;
         std::optional<MeasureReport>& found = one->report.lods.front().measured;
         found = measure(*source_, *one->mesh.source("try"), how, progress_.hooks(0.6, 0.8));
-        if (bound_ > 0 && larger(*found) <= bound_) {
+        if (bound_ == 0) set_bound(target_.value * found->bounds.diagonal());
+        if (larger(*found) <= bound_) {
             // Of several tries the best is the one whose samples have missed most: look closer.
             how.n_samples = kCloser * std::max(found->forward.n_samples, found->backward.n_samples);
             how.seed = kOtherSeed;

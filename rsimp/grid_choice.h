@@ -42,11 +42,11 @@ constexpr unsigned default_fit_rounds(Method method) {
     if (method == Method::Uniform || method == Method::Copy) return 0;
     return method == Method::Refine ? 2 : 4;
 }
-/// With fewer cells for each vertex of the finest LOD the fit looks at the triangles between cells.
-/// Where cells are vertices these are the input's own, and seen twice as often as vertices, which
-/// helps for longer; else they cut the corners of what the cells have averaged.
-constexpr double few_cells_per_vertex(Method method) {
-    return method == Method::Full ? 18 : 6;
+/// Whether the fit of a finest LOD of so many vertices looks at the triangles between cells instead
+/// of the cells. Where cells are vertices these triangles are the input's own, and seen twice as
+/// often as vertices, which helps for longer; else they cut the corners of what the cells average.
+constexpr bool has_few_cells(Method method, std::uint64_t n_cells, double vertices) {
+    return static_cast<double>(n_cells) < (method == Method::Full ? 18 : 6) * vertices;
 }
 /// With an error bound E the cells are at most E / kCellsPerError long.
 inline constexpr double kCellsPerError = 8;

@@ -92,8 +92,7 @@ std::uint64_t refine_bytes(const MemoryCounts& n) {
 
 /// What the fit, and who looks for folded faces, sees of the original.
 std::uint64_t sample_bytes(const MemoryCounts& n) {
-    const bool is_sparse = static_cast<double>(n.cells) <
-                           few_cells_per_vertex(n.method) * static_cast<double>(n.lod_vertices);
+    const bool is_sparse = has_few_cells(n.method, n.cells, static_cast<double>(n.lod_vertices));
     return (is_sparse ? faces_of(n.cells) : n.cells) * sizeof(FitSample);
 }
 

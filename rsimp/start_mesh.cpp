@@ -216,7 +216,7 @@ SampleChoice samples_for(const CellBlocks& cells, const SimplifyOptions& options
     const double vertices = budget(options, report) / 2;
     const double cell = cells.grid.cell_size(cells.lattice);
     if (vertices == 0) return {false, std::numeric_limits<double>::infinity()};
-    return {static_cast<double>(cells.n_cells()) < few_cells_per_vertex(options.method) * vertices,
+    return {has_few_cells(options.method, cells.n_cells(), vertices),
             kLargestTriangle * report.input.area / (cell * cell) / vertices};
 }
 
