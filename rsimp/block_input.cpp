@@ -50,6 +50,15 @@ BlockMesh ClusterInput::load(std::size_t first, std::size_t last) const {
         }
         if (is_inside) mesh.faces.push_back(local);
     }
+    ooc::SpoolReader<ClusterMesh::Link> links(mesh_.links, mesh_.blocks[first].first_link,
+                                              mesh_.blocks[last].first_link);
+    while (const ClusterMesh::Link* link = links.next()) {
+        const auto [low, high] = *link;
+        if (low < begin || high >= end) continue;
+        mesh.faces.push_back({static_cast<std::uint32_t>(low - begin),
+                              static_cast<std::uint32_t>(high - begin),
+                              static_cast<std::uint32_t>(high - begin)});
+    }
     return mesh;
 }
 

@@ -23,7 +23,7 @@ class BlockInput {
     /// Vertices in each box.
     [[nodiscard]] virtual const std::vector<std::uint64_t>& counts() const = 0;
     /// The boxes [first, last) as one mesh: their vertices, and the faces all of whose corners are
-    /// among them.
+    /// among them; also faces (A, B, B) for raw clusters that were neighbours, if that is known.
     [[nodiscard]] virtual BlockMesh load(std::size_t first, std::size_t last) const = 0;
     /// Of the faces listed in these boxes those that load() leaves out. Every face is listed in one
     /// box.

@@ -40,7 +40,10 @@ struct ClusterMesh {
         cluster::OctreeBox box;
         std::uint64_t first_cluster = 0;
         std::uint64_t first_face = 0;
+        std::uint64_t first_link = 0;
     };
+
+    using Link = std::array<std::uint32_t, 2>;
 
     Vec3 origin{};  ///< of all coordinates here, in cells from the lattice origin
     ooc::Spool<CollapseVertex> vertices;  ///< by cluster id
@@ -49,10 +52,15 @@ struct ClusterMesh {
     /// Cluster ids, three different ones. Each face is once in the list of a block that has at
     /// least one of its corners; duplicates and opposite pairs are still there.
     ooc::Spool<CellTriple> faces;
+    /// Clusters, smaller id first, with an edge of the input between them; many have a face as
+    /// well. Only of closed surfaces whose cells are vertices, and of pairs with a cluster in the
+    /// block.
+    ooc::Spool<Link> links;
     ooc::Spool<std::uint32_t> cluster_of_cell;  ///< cluster ids by cell id
     std::vector<Block> blocks;                  ///< and one more at the end, with the totals
     /// No cell has a border: equally wound copies of a face belong to different sheets, then.
     bool is_closed = false;
+    bool has_vertex_cells = false;  ///< as in CellBlocks
 
     [[nodiscard]] std::uint64_t n_clusters() const { return vertices.size(); }
     [[nodiscard]] std::size_t n_blocks() const { return blocks.empty() ? 0 : blocks.size() - 1; }

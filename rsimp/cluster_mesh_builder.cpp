@@ -173,7 +173,7 @@ void add_vertices(ooc::Context& context, const CellBlocks& blocks, const GroupCe
             const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
             for (std::uint32_t& c : block.cluster_of_cell) c += first;
             mesh.cluster_of_cell.append(block.cluster_of_cell);
-            mesh.blocks[b] = {blocks.blocks[b].box, first, 0};
+            mesh.blocks[b] = {blocks.blocks[b].box, first, 0, 0};
             mesh.vertices.append(block.vertices);
             mesh.n_cells.append(block.n_cells);
             mesh.attributes.append(block.attributes);
@@ -184,15 +184,18 @@ void add_vertices(ooc::Context& context, const CellBlocks& blocks, const GroupCe
 struct BlockFaces {
     std::vector<std::uint32_t> cluster_of_cell;
     std::vector<CellTriple> faces;
+    std::vector<ClusterMesh::Link> links;
 
     static std::uint64_t bytes_for(const LargestBlock& largest) {
-        return largest.n_cells * sizeof(std::uint32_t) + largest.n_faces * sizeof(CellTriple) +
+        return largest.n_cells * sizeof(std::uint32_t) +
+               largest.n_faces * (sizeof(CellTriple) + sizeof(ClusterMesh::Link)) +
                ooc::SpoolReader<CellTriple>::kBufferBytes + ooc::SpoolCache<std::uint32_t>::kBytes;
     }
 };
 
 void map_faces(const CellBlocks& blocks, std::size_t b,
-               const ooc::Spool<std::uint32_t>& cluster_of_cell, BlockFaces& block) {
+               const ooc::Spool<std::uint32_t>& cluster_of_cell, bool with_links,
+               BlockFaces& block) {
     const auto& first = blocks.blocks[b];
     const auto& last = blocks.blocks[b + 1];
     block.cluster_of_cell.resize(last.first_cell - first.first_cell);
@@ -206,16 +209,21 @@ void map_faces(const CellBlocks& blocks, std::size_t b,
         return outside->at(cell);
     };
     block.faces.clear();
+    block.links.clear();
     ooc::SpoolReader<CellTriple> reader(blocks.faces, first.first_face, last.first_face);
     for (auto piece = reader.next_piece(); !piece.empty(); piece = reader.next_piece()) {
         for (const CellTriple& face : piece) {
             const CellTriple mapped{cluster_of(face[0]), cluster_of(face[1]), cluster_of(face[2])};
-            if (mapped[0] == mapped[1] || mapped[1] == mapped[2] || mapped[0] == mapped[2]) {
-                continue;
+            if (mapped[0] != mapped[1] && mapped[1] != mapped[2] && mapped[0] != mapped[2]) {
+                block.faces.push_back(mapped);
+            } else if (with_links) {
+                const auto [low, high] = std::minmax({mapped[0], mapped[1], mapped[2]});
+                if (low != high) block.links.push_back({low, high});
             }
-            block.faces.push_back(mapped);
         }
     }
+    std::sort(block.links.begin(), block.links.end());
+    block.links.erase(std::unique(block.links.begin(), block.links.end()), block.links.end());
 }
 
 /// Second sweep.
@@ -225,11 +233,14 @@ void add_faces(ooc::Context& context, const CellBlocks& blocks, ClusterMesh& mes
     in_flight.sweep<BlockFaces>(
         blocks.n_blocks(),
         [&](std::uint64_t b, BlockFaces& block) {
-            map_faces(blocks, b, mesh.cluster_of_cell, block);
+            map_faces(blocks, b, mesh.cluster_of_cell, mesh.is_closed && mesh.has_vertex_cells,
+                      block);
         },
         [&](std::uint64_t b, const BlockFaces& block) {
             mesh.blocks[b].first_face = mesh.faces.size();
             mesh.faces.append(block.faces);
+            mesh.blocks[b].first_link = mesh.links.size();
+            mesh.links.append(block.links);
         });
 }
 
@@ -242,15 +253,17 @@ ClusterMesh build_cluster_mesh(ooc::Context& context, const CellBlocks& blocks,
     const double half = std::floor(blocks.grid.resolution() / 2);
     mesh.origin = {half, half, half};
     mesh.is_closed = blocks.n_border_cells == 0;
+    mesh.has_vertex_cells = blocks.has_vertex_cells;
     mesh.vertices = {context, "cluster vertices"};
     mesh.n_cells = {context, "cells of clusters"};
     mesh.attributes = {context, kinds_of(blocks)};
     mesh.faces = {context, "cluster faces"};
+    mesh.links = {context, "cluster links"};
     mesh.blocks.resize(blocks.n_blocks() + 1);
     mesh.cluster_of_cell = {context, "clusters of cells"};
     add_vertices(context, blocks, group_cells, mesh);
     add_faces(context, blocks, mesh);
-    mesh.blocks.back() = {{}, mesh.vertices.size(), mesh.faces.size()};
+    mesh.blocks.back() = {{}, mesh.vertices.size(), mesh.faces.size(), mesh.links.size()};
     return mesh;
 }
 

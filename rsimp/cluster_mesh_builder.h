@@ -30,7 +30,7 @@ using GroupCells = std::function<void(std::size_t block, CellGroups& groups)>;
 ///
 /// Two sweeps over the blocks: cells to clusters, then faces. A face's corners in other blocks are
 /// looked up in a spool of 4 bytes a cell through a small cache. Memory: for each block in flight
-/// 350 bytes for each of its cells (420 more with attribute quadrics), or 12 for each of its faces.
+/// 350 bytes for each of its cells (420 more with attribute quadrics), or 20 for each of its faces.
 ClusterMesh build_cluster_mesh(ooc::Context& context, const cluster::CellBlocks& blocks,
                                const GroupCells& group_cells);
 

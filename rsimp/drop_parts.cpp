@@ -148,6 +148,7 @@ CellBlocks drop_parts(ooc::Context& context, CellBlocks cells, const SimplifyOpt
     CellBlocks result = cluster::make_cell_blocks(context, cells.lattice, cells.grid,
                                                   cluster::CellExtras(!cells.attributes.empty()));
     result.is_consistently_wound = cells.is_consistently_wound;
+    result.has_vertex_cells = cells.has_vertex_cells;
     copy_cells(context, cells, kept, {}, most_cells, result);
     copy_borders(cells, kept, result);
     copy_faces(context, cells, kept, result);

@@ -21,7 +21,7 @@ namespace {
 
 // A block's mesh while it is made manifold or cut: vertices, faces, and as much again on the way.
 constexpr std::uint64_t bytes_to_prepare(std::uint64_t n_vertices, AttributeKinds attributes) {
-    return n_vertices * 2 * (sizeof(StoredVertex) + attributes.bytes() + 110);
+    return n_vertices * 2 * (sizeof(StoredVertex) + attributes.bytes() + 130);
 }
 
 std::uint64_t excess(std::uint64_t have, std::uint64_t most) {
@@ -48,7 +48,7 @@ class Finisher::Level {
             [&](std::uint64_t, const std::vector<Face>& faces) { crossing.append(faces); });
         seams_ = std::make_unique<Seams>(
             finisher_.context_,
-            settle_crossing(finisher_.context_, std::move(crossing), finisher_.is_closed_),
+            settle_crossing(finisher_.context_, std::move(crossing), finisher_.kind_.is_closed),
             ranges_);
     }
 
@@ -87,7 +87,7 @@ class Finisher::Level {
                 const ooc::Reservation bytes = context.budget().reserve(
                     "a block", bytes_to_prepare(block_counts_[b], attributes_));
                 Prepared block{load(b), {}, 0};
-                block.counts = make_manifold(block.mesh, finisher_.is_closed_);
+                block.counts = make_manifold(block.mesh, finisher_.kind_);
                 for (const StoredVertex& v : block.mesh.vertices) {
                     if (VertexFlags::is_free(v.flags) && (v.flags & VertexFlags::kProcessed) == 0) {
                         ++block.n_open;
@@ -243,12 +243,12 @@ class Finisher::Level {
 };
 
 Finisher::Finisher(ooc::Context& context, std::vector<cluster::OctreeBox> boxes,
-                   std::vector<std::uint64_t> first_cluster, bool is_closed,
+                   std::vector<std::uint64_t> first_cluster, SurfaceKind kind,
                    std::uint64_t block_vertices)
     : context_(context),
       boxes_(std::move(boxes)),
       first_cluster_(std::move(first_cluster)),
-      is_closed_(is_closed),
+      kind_(kind),
       block_vertices_(block_vertices) {}
 
 Finisher::~Finisher() = default;

@@ -12,6 +12,7 @@
 #include "rsimp/block_input.h"
 #include "rsimp/edge_collapse.h"
 #include "rsimp/lost_parts.h"
+#include "rsimp/manifold.h"
 #include "rsimp/mesh_store.h"
 
 namespace hewer::rsimp {
@@ -48,7 +49,7 @@ class Finisher {
 
     /// `boxes` are those of the input, in Morton order; `first_cluster` of each, and the end.
     Finisher(ooc::Context& context, std::vector<cluster::OctreeBox> boxes,
-             std::vector<std::uint64_t> first_cluster, bool is_closed,
+             std::vector<std::uint64_t> first_cluster, SurfaceKind kind,
              std::uint64_t block_vertices = kBlockVertices);
 
     ~Finisher();
@@ -71,7 +72,7 @@ class Finisher {
     ooc::Context& context_;
     std::vector<cluster::OctreeBox> boxes_;
     std::vector<std::uint64_t> first_cluster_;
-    bool is_closed_;
+    SurfaceKind kind_;
     std::uint64_t block_vertices_;
     Vec3 origin_{};
     std::unique_ptr<Level> level_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <span>
 #include <tuple>
@@ -15,6 +16,7 @@
 #include "rsimp/face_components.h"
 #include "rsimp/fan_vertices.h"
 #include "rsimp/half_edges.h"
+#include "rsimp/necks.h"
 
 namespace hewer::rsimp {
 
@@ -324,8 +326,8 @@ std::vector<bool> find_copies(const BlockMesh& mesh, const Fans& fans,
 /// Folding pinches off bubbles: small closed components that share clusters with a larger one. They
 /// stand for nothing of their own, and dropping a closed component opens nothing. Nor does a
 /// triangle that is there twice, once for each side, make a closed surface. Faces are dropped from
-/// fans.named().
-std::uint64_t drop_bubbles(const BlockMesh& mesh, Fans& fans) {
+/// fans.named(); their edges become links.
+std::uint64_t drop_bubbles(const BlockMesh& mesh, Fans& fans, std::vector<LocalFace>& links) {
     std::vector<LocalFace>& named = fans.named();
     const std::vector<std::uint32_t> label = component_labels(fans.n_vertices(), named);
     // Open and unfinished components count as large ones.
@@ -370,7 +372,14 @@ std::uint64_t drop_bubbles(const BlockMesh& mesh, Fans& fans) {
     for (const LocalFace& t : named) {
         // Copies that no fan parts, and no later block will.
         const bool is_same_again = n > 0 && t == named[n - 1] && is_finished(t);
-        if (!is_same_again && !is_bubble[label[t[0]]]) named[n++] = t;
+        if (!is_same_again && !is_bubble[label[t[0]]]) {
+            named[n++] = t;
+            continue;
+        }
+        const std::uint32_t a = fans.origin(t[0]);
+        const std::uint32_t b = fans.origin(t[1]);
+        const std::uint32_t c = fans.origin(t[2]);
+        links.insert(links.end(), {{a, b, b}, {b, c, c}});
     }
     const std::uint64_t n_dropped = named.size() - n;
     named.resize(n);
@@ -379,19 +388,25 @@ std::uint64_t drop_bubbles(const BlockMesh& mesh, Fans& fans) {
 
 }  // namespace
 
-ManifoldCounts make_manifold(BlockMesh& mesh, bool is_closed, std::uint64_t* next_fan) {
+ManifoldCounts make_manifold(BlockMesh& mesh, SurfaceKind kind, std::uint64_t* next_fan) {
     ManifoldCounts counts;
+    std::vector<LocalFace> links;
+    std::copy_if(mesh.faces.begin(), mesh.faces.end(), std::back_inserter(links), is_degenerate);
+    std::erase_if(mesh.faces, is_degenerate);
     std::vector<bool> had_face(mesh.vertices.size());
     for (const LocalFace& t : mesh.faces) {
         for (const std::uint32_t v : t) had_face[v] = true;
     }
-    counts.cancelled_faces = settle_duplicates(mesh.faces, is_closed);
+    counts.cancelled_faces = settle_duplicates(mesh.faces, kind.is_closed);
     std::vector<std::uint32_t> extra;
     {
         Fans fans(mesh);
-        counts.bubble_faces = drop_bubbles(mesh, fans);
+        counts.bubble_faces = drop_bubbles(mesh, fans, links);
         extra = fans.extra();
         mesh.faces = std::move(fans.named());
+    }
+    if (kind.is_closed && kind.has_vertex_cells) {
+        counts.joined_necks = join_necks(mesh, extra, links, mesh.faces);
     }
     const std::size_t n_before = mesh.vertices.size();
     counts.cut_vertices = add_fan_vertices(mesh, extra, next_fan);

@@ -11,9 +11,17 @@
 
 namespace hewer::rsimp {
 
+/// What is known of the whole surface.
+struct SurfaceKind {
+    bool is_closed = false;  ///< the input has no border
+    bool has_vertex_cells =
+        false;  ///< each cell is a position of the input: clusters are connected
+};
+
 struct ManifoldCounts {
     std::uint64_t cancelled_faces = 0;  ///< settled by settle_duplicates()
     std::uint64_t bubble_faces = 0;     ///< of bubbles that folding had pinched off
+    std::uint64_t joined_necks = 0;     ///< components that stayed together by join_necks()
     std::uint64_t cut_vertices = 0;     ///< clusters that became more than one vertex
     std::uint64_t lost_cells = 0;       ///< of clusters of which no face is left
     /// These clusters, bar single cells that had no face to begin with: a surface grazed them, and
@@ -32,11 +40,13 @@ struct ManifoldCounts {
 ///    share the cluster's quadric and step a little apart, towards their own neighbours.
 ///  - Small closed components that share a cluster with a larger one (bubbles) are dropped, and so
 ///    are those of two faces, a triangle and its opposite, and small open ones that are copies.
+///  - On a closed surface of vertex cells, components that a neck held together stay together
+///    (rsimp/necks.h). Faces (A, B, B) tell that A and B were neighbours.
 ///
 /// A vertex that cannot be told apart because its neighbour is frozen is frozen too. The order of
 /// the faces given does not matter. Memory: about 100 bytes a face on the way.
 ///
 /// `next_fan`: as in add_fan_vertices(); for clusters that were fans themselves once.
-ManifoldCounts make_manifold(BlockMesh& mesh, bool is_closed, std::uint64_t* next_fan = nullptr);
+ManifoldCounts make_manifold(BlockMesh& mesh, SurfaceKind kind, std::uint64_t* next_fan = nullptr);
 
 }  // namespace hewer::rsimp

@@ -69,9 +69,11 @@ std::uint64_t blocks_bytes(const MemoryCounts& n) {
            faces_of(n.cells) * sizeof(cluster::CellTriple);
 }
 
-/// Clusters and their faces, on spools.
+/// Clusters, their faces and, where cells are vertices, their links, on spools.
 std::uint64_t cluster_bytes(const MemoryCounts& n) {
-    return n.clusters * (sizeof(CollapseVertex) + sizeof(std::uint32_t) + attribute_bytes(n)) +
+    const std::uint64_t links = n.method == Method::Full ? 3 * sizeof(ClusterMesh::Link) : 0;
+    return n.clusters *
+               (sizeof(CollapseVertex) + sizeof(std::uint32_t) + links + attribute_bytes(n)) +
            faces_of(n.clusters) * sizeof(cluster::CellTriple);
 }
 

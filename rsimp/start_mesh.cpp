@@ -110,8 +110,9 @@ Attempt begin(ooc::Context& context, const CellBlocks& cells, ClusterMesh cluste
         if (first_cluster.size() + 1 < clusters.blocks.size()) boxes.push_back(block.box);
         first_cluster.push_back(block.first_cluster);
     }
-    start.finisher = std::make_unique<Finisher>(context, std::move(boxes), std::move(first_cluster),
-                                                clusters.is_closed);
+    start.finisher =
+        std::make_unique<Finisher>(context, std::move(boxes), std::move(first_cluster),
+                                   SurfaceKind{clusters.is_closed, clusters.has_vertex_cells});
     attempt.n_triangles =
         static_cast<double>(start.finisher->begin(ClusterInput(clusters), start.finish));
     return attempt;

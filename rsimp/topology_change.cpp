@@ -157,7 +157,7 @@ bool WholeMesh::merge_regardless(const CollapseTarget& target, bool is_closed,
         }
     }
     keep_vertices(merged, is_kept);
-    const ManifoldCounts counts = make_manifold(merged, is_closed, &next_fan_);
+    const ManifoldCounts counts = make_manifold(merged, {is_closed, false}, &next_fan_);
     if (merged.faces.empty()) return false;
     mesh_ = std::move(merged);
     report.merges.insert(report.merges.end(), gone.begin(), gone.end());

@@ -74,7 +74,6 @@ std::uint64_t count_duplicates(const Ids& ids) {
     return faces.size() - static_cast<std::uint64_t>(n_distinct);
 }
 
-/// Disjoint sets of vertices (path halving).
 struct EdgeCounts {
     std::uint64_t edges = 0;
     std::uint64_t border = 0;       ///< one face

@@ -37,7 +37,7 @@ struct Finishing {
             first.push_back(b.first_cluster);
         }
         boxes.pop_back();
-        finisher.emplace(*context, boxes, first, is_closed, block_vertices);
+        finisher.emplace(*context, boxes, first, SurfaceKind{is_closed, false}, block_vertices);
     }
     Mesh run(const std::optional<CollapseTarget>& target, bool with_merges = false) {
         finisher->begin(ClusterInput(clusters), report);

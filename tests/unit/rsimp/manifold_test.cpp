@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "ooc/vec3.h"
+#include "rsimp/face_components.h"
 #include "rsimp/half_edges.h"
 #include "tests/support/mesh_checks.h"
 #include "tests/support/shapes.h"
@@ -28,7 +29,7 @@ struct Built {
 Built build(const Mesh& mesh, bool is_closed) {
     BlockMesh block = test::raw_block(mesh);
     Built built;
-    built.made = make_manifold(block, is_closed);
+    built.made = make_manifold(block, {is_closed, false});
     for (const LocalFace& t : block.faces) built.triangles.push_back({t[0], t[1], t[2]});
     for (const StoredVertex& v : block.vertices) {
         EXPECT_TRUE(VertexFlags::is_free(v.flags));
@@ -120,7 +121,7 @@ TEST(MakeManifold, VerticesThatAreTakenApartStayWhereTheyWere) {
             {size, size, 7}, {0, size, 7}, {size, 0, 7}, {2 * size, size, 7}, {size, 2 * size, 7}};
         mesh.triangles = {{0, 1, 2}, {0, 3, 4}};
         BlockMesh block = test::raw_block(mesh);
-        EXPECT_EQ(make_manifold(block, false).cut_vertices, 1U);
+        EXPECT_EQ(make_manifold(block, {false, false}).cut_vertices, 1U);
         ASSERT_EQ(block.vertices.size(), 6U);
         for (const StoredVertex& v : block.vertices) {
             const Vec3 step = v.vertex.position - mesh.positions[cluster_of(v.id)];
@@ -203,7 +204,7 @@ TEST(MakeManifold, LeavesFrozenClustersForLater) {
         for (StoredVertex& v : block.vertices) {
             if (random.below(3) == 0) v.flags |= VertexFlags::kFrozen;
         }
-        make_manifold(block, true);
+        make_manifold(block, {true, false});
         std::vector<int> n_open(block.vertices.size());
         for_each_edge(block.faces, block.vertices.size(),
                       [&](std::uint32_t low, std::span<const HalfEdge> group) {
@@ -213,11 +214,118 @@ TEST(MakeManifold, LeavesFrozenClustersForLater) {
                           }
                       });
         for (StoredVertex& v : block.vertices) v.flags &= ~VertexFlags::kFrozen;
-        make_manifold(block, true);
+        make_manifold(block, {true, false});
         const test::Counts counts = test::count(test::to_mesh(block));
         EXPECT_TRUE(counts.is_closed()) << seed;
         EXPECT_TRUE(counts.is_clean()) << seed;
     }
+}
+
+namespace {
+
+/// Two spheres that share a vertex of one, as if a neck of `n_cells` vertices had shrunk to it.
+BlockMesh hourglass(std::uint32_t n_cells, std::uint64_t side = 6) {
+    Mesh mesh = test::cube_sphere(side);
+    const std::size_t n = mesh.positions.size();
+    mesh = test::joined(mesh, test::translated(test::cube_sphere(side), {2, 0, 0}));
+    std::size_t right = 0;
+    std::size_t left = n;
+    for (std::size_t v = 0; v < n; ++v) {
+        if (mesh.positions[v][0] > mesh.positions[right][0]) right = v;
+        if (mesh.positions[n + v][0] < mesh.positions[left][0]) left = n + v;
+    }
+    for (Triangle& t : mesh.triangles) std::replace(t.begin(), t.end(), left, right);
+    mesh.positions[left] = mesh.positions.back();
+    for (Triangle& t : mesh.triangles) std::replace(t.begin(), t.end(), 2 * n - 1, left);
+    mesh.positions.pop_back();
+    BlockMesh block = test::raw_block(mesh);
+    block.vertices[right].n_cells = n_cells;
+    return block;
+}
+
+std::uint64_t count_components(const BlockMesh& block) {
+    const std::vector<std::uint32_t> label = component_labels(block.vertices.size(), block.faces);
+    std::uint64_t n = 0;
+    for (std::uint32_t v = 0; v < label.size(); ++v) n += label[v] == v ? 1U : 0U;
+    return n;
+}
+
+constexpr SurfaceKind kClosedOfVertices{true, true};
+
+}  // namespace
+
+TEST(MakeManifold, WhatANeckHeldTogetherStaysTogether) {
+    BlockMesh block = hourglass(2);
+    const std::size_t n_faces = block.faces.size();
+    EXPECT_EQ(make_manifold(block, kClosedOfVertices).joined_necks, 1U);
+    EXPECT_EQ(count_components(block), 1U);
+    EXPECT_EQ(block.faces.size(), n_faces + 4);
+    const test::Counts counts = test::count(test::to_mesh(block));
+    EXPECT_TRUE(counts.is_closed());
+    EXPECT_TRUE(counts.is_clean());
+    EXPECT_EQ(counts.unlike_edges, 0U);
+    EXPECT_EQ(block.vertices.size() + block.faces.size() - 3 * block.faces.size() / 2, 2U)
+        << "a sphere";
+}
+
+TEST(MakeManifold, SurfacesThatTouchInOneVertexOfTheInputComeApart) {
+    BlockMesh block = hourglass(1);
+    EXPECT_EQ(make_manifold(block, kClosedOfVertices).joined_necks, 0U);
+    EXPECT_EQ(count_components(block), 2U);
+    BlockMesh cells = hourglass(2);
+    EXPECT_EQ(make_manifold(cells, {true, false}).joined_necks, 0U) << "cells join what is near";
+}
+
+TEST(MakeManifold, PartsThatReachIntoOtherBlocksMayHangTogetherThere) {
+    for (const bool is_other_frozen : {false, true}) {
+        BlockMesh block = hourglass(2);
+        block.vertices.back().flags |= VertexFlags::kFrozen;
+        if (is_other_frozen) block.vertices.front().flags |= VertexFlags::kFrozen;
+        EXPECT_EQ(make_manifold(block, kClosedOfVertices).joined_necks, is_other_frozen ? 0U : 1U);
+        EXPECT_EQ(count_components(block), is_other_frozen ? 2U : 1U);
+    }
+}
+
+TEST(MakeManifold, NoTwoPartsShareAClusterOfAFoldedSurface) {
+    std::uint64_t n_joined = 0;
+    for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+        for (const std::uint64_t n : {1000U, 4000U, 5800U}) {
+            BlockMesh block = test::raw_block(merged_at_random(test::many_spheres(3, 6), n, seed));
+            for (StoredVertex& v : block.vertices) v.n_cells = 2;
+            n_joined += make_manifold(block, kClosedOfVertices).joined_necks;
+            const test::Counts counts = test::count(test::to_mesh(block));
+            EXPECT_TRUE(counts.is_closed()) << n << ", " << seed;
+            EXPECT_TRUE(counts.is_clean()) << n << ", " << seed;
+            EXPECT_EQ(counts.unlike_edges, 0U) << n << ", " << seed;
+            const auto label = component_labels(block.vertices.size(), block.faces);
+            for (std::size_t v = 1; v < label.size(); ++v) {
+                if (cluster_of(block.vertices[v].id) == cluster_of(block.vertices[v - 1].id)) {
+                    EXPECT_EQ(label[v], label[v - 1]) << n << ", " << seed;
+                }
+            }
+        }
+    }
+    EXPECT_GT(n_joined, 0U);
+}
+
+TEST(MakeManifold, WhatIsAllNecksIsNotHeldTogether) {
+    constexpr std::uint32_t kHourglasses = 60;
+    const BlockMesh one = hourglass(2, 3);
+    BlockMesh all;
+    for (std::uint32_t k = 0; k < kHourglasses; ++k) {
+        const auto first = static_cast<std::uint32_t>(all.vertices.size());
+        for (StoredVertex v : one.vertices) {
+            v.id = vertex_id(all.vertices.size(), 0);
+            all.vertices.push_back(v);
+        }
+        for (const LocalFace& t : one.faces) {
+            all.faces.push_back({t[0] + first, t[1] + first, t[2] + first});
+        }
+    }
+    const std::uint64_t most = all.faces.size() / 400;
+    ASSERT_LT(most, kHourglasses);
+    EXPECT_EQ(make_manifold(all, kClosedOfVertices).joined_necks, most);
+    EXPECT_EQ(count_components(all), 2 * kHourglasses - most);
 }
 
 TEST(CountEdges, AgreesWithAPlainCount) {
