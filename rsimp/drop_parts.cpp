@@ -137,6 +137,7 @@ CellBlocks drop_parts(ooc::Context& context, CellBlocks cells, const SimplifyOpt
         if (!box.is_small) continue;
         add_place(report.dropped, {cells.to_model(0.5 * (box.low + box.high)), size, box.n_cells});
     }
+    sort_places(report.dropped);
     if (report.dropped.places == 0) return cells;
     if (!is_any_kept) {
         std::ostringstream text;

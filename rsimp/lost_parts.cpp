@@ -144,9 +144,17 @@ void add_place(LostPlaces& places, const LostPlace& place) {
     ++places.places;
     places.cells += place.cells;
     std::vector<LostPlace>& list = places.list;
-    if (list.size() == LostPlaces::kMostListed && !is_larger(place, list.back())) return;
-    list.insert(std::upper_bound(list.begin(), list.end(), place, is_larger), place);
-    if (list.size() > LostPlaces::kMostListed) list.pop_back();
+    if (list.size() == LostPlaces::kMostListed) {
+        if (!is_larger(place, list.front())) return;
+        std::pop_heap(list.begin(), list.end(), is_larger);
+        list.pop_back();
+    }
+    list.push_back(place);
+    std::push_heap(list.begin(), list.end(), is_larger);
+}
+
+void sort_places(LostPlaces& places) {
+    std::sort_heap(places.list.begin(), places.list.end(), is_larger);
 }
 
 LostPlaces find_places(ooc::Context& context, const ooc::Spool<LostPart>& parts,
@@ -159,6 +167,7 @@ LostPlaces find_places(ooc::Context& context, const ooc::Spool<LostPart>& parts,
         std::vector<LostPart> all(parts.size());
         parts.read(0, all);
         group(all, frame, places);
+        sort_places(places);
         return places;
     }
     ooc::ExternalSorter<CodedPart, decltype(&is_before)> sorter(context, "lost parts", &is_before,
@@ -177,6 +186,7 @@ LostPlaces find_places(ooc::Context& context, const ooc::Spool<LostPart>& parts,
         context.check_stop();
     }
     if (!some.empty()) group(some, frame, places);
+    sort_places(places);
     return places;
 }
 

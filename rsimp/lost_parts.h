@@ -26,8 +26,10 @@ static_assert(sizeof(LostPart) == 32);
 void append_lost(ooc::Context& context, std::span<const LostPart> parts,
                  ooc::Spool<LostPart>& lost);
 
-/// Counts a place, and lists it if it is among the largest so far.
+/// Counts a place, and lists it if it is among the largest so far. The list is in no order until
+/// sort_places().
 void add_place(LostPlaces& places, const LostPlace& place);
+void sort_places(LostPlaces& places);
 
 /// The cells of parts that vanish before the finishing collapse could lose them: appended one by
 /// one.

@@ -107,7 +107,7 @@ struct LostPlace {
 
 /// Parts of which no triangle is left; those that touch are one place.
 struct LostPlaces {
-    static constexpr std::size_t kMostListed = 100;
+    static constexpr std::size_t kMostListed = 10'000;
 
     std::uint64_t places = 0;
     std::uint64_t cells = 0;

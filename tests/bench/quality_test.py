@@ -80,6 +80,17 @@ class Comparison(unittest.TestCase):
         faults = compare.topology_faults(case({}, {1000: record(1000, 1, 1)}, components=2))
         self.assertEqual(faults, ["1 of 2 components"])
 
+    def test_component_that_is_gone_and_listed_is_none(self):
+        for untold, faults in ((0, []), (1, ["1 of 5 components neither kept nor listed"])):
+            run = dict(record(1000, 1, 1), parts={"untold": untold})
+            self.assertEqual(
+                compare.topology_faults(case({}, {1000: run}, components=5)), faults)
+
+    def test_component_more_is_a_fault_whatever_is_listed(self):
+        run = dict(record(1000, 1, 1), parts={"untold": 0})
+        run["topology"] = dict(run["topology"], components=2)
+        self.assertEqual(compare.topology_faults(case({}, {1000: run})), ["2 of 1 components"])
+
     def test_mean_above_its_bar_fails_though_each_case_passes(self):
         bars = {"forward": compare.Bar("forward", 0.90, 0.80, {("a", "5"): 0.85})}
         self.assertEqual(tables.count_failures([], [], bars), 1)
@@ -141,6 +152,25 @@ class Judges(unittest.TestCase):
         self.assertEqual((found["original"]["loops"], found["simplified"]["loops"]), (1, 2))
         self.assertLess(found["forward"]["maximum"], 1e-6)
         self.assertAlmostEqual(found["backward"]["maximum"], 4 / 9, places=5)
+
+    def test_part_that_is_gone_is_told_of_or_not(self):
+        both = self.folder / "both.ply"
+        points, faces = [], []
+        for height in (0, 5):
+            faces.append([len(points) + k for k in range(3)])
+            points += [(0, 0, height), (1, 0, height), (0, 1, height)]
+        both.write_text("ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\n"
+                        "property float y\nproperty float z\nelement face 2\n"
+                        "property list uchar int vertex_indices\nend_header\n" +
+                        "".join("%g %g %g\n" % p for p in points) +
+                        "".join("3 %d %d %d\n" % tuple(f) for f in faces))
+        for center, size, told in (((0, 0, 5), 0.1, 1), ((0, 0, 0), 0.1, 0), ((0, 0, 2), 7, 1)):
+            report = self.folder / "report.json"
+            report.write_text(json.dumps(
+                {"lods": [{"lost": {"list": [{"center": center, "size": size}]}}]}))
+            found = self.judge("part_check", both, grid(self.folder / "one.ply", 1), report)
+            self.assertEqual((found["parts"], found["missing"], found["told"], found["untold"]),
+                             (2, 1, told, 1 - told))
 
     def test_pictures_of_the_same_surface_are_equal_and_of_another_are_not(self):
         fine = grid(self.folder / "fine.ply", 16)

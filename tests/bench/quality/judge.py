@@ -17,6 +17,11 @@ def judge_topology(path):
     return run_json([cache.TOOLS / "topology_check", path, "--edges-only"])["by_position"]
 
 
+def judge_parts(mesh, simplified, report):
+    """Whether the report of hewer tells of every component that is gone."""
+    return run_json([cache.TOOLS / "part_check", mesh.path, simplified, report])
+
+
 def judge_distances(original, simplified):
     report = simplified.with_suffix(".measure.json")
     report.unlink(missing_ok=True)

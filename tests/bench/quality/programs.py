@@ -9,7 +9,7 @@ import time
 
 from . import cache
 from .inputs import count_triangles
-from .judge import judge
+from .judge import judge, judge_parts
 
 # Of processor time: a busy machine must not end a run that a quiet one would finish. A process that
 # waits instead of working is ended after a multiple of that.
@@ -177,6 +177,8 @@ def run_hewer(mesh, folder, target, program, is_rerun):
         record = simplify(
             lambda source, to, count: hewer_command(source, to, "--triangles", count),
             mesh, target, result, DEFAULT_CAP_SECONDS)
+        if record["status"] == "ok" and mesh.is_closed:
+            record["parts"] = judge_parts(mesh, result, result.with_suffix(".report.json"))
         record["program"] = program
         cache.save(kept, record)
     return record
