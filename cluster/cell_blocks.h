@@ -59,7 +59,9 @@ struct CellBlocks {
     std::vector<Block> blocks;       ///< and one more at the end, with the totals
     std::uint64_t n_border_cells = 0;
     bool is_consistently_wound = true;
-    bool has_vertex_cells = false;  ///< each cell is a position of the input
+    /// Nearly every position of the input has a cell of its own, so that faces are those of the
+    /// input.
+    bool has_vertex_cells = false;
 
     [[nodiscard]] std::uint64_t n_cells() const { return codes.size(); }
     [[nodiscard]] std::size_t n_blocks() const { return blocks.empty() ? 0 : blocks.size() - 1; }

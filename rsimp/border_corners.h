@@ -20,7 +20,7 @@ inline constexpr double kHeldShare = 1.0 / 16;
 /// quadric with half the weight of its squared length, the chord's quadric lacks h^2 along the
 /// chord, h being the height of the triangle that they span with it; nothing where the border goes
 /// straight on. Where a border is sampled densely neighbouring chords see the turn, so this is for
-/// Method::Full, whose cells are vertices.
+/// CellBlocks::has_vertex_cells.
 ///
 /// kHeldShare of that is added.
 ///

@@ -363,7 +363,9 @@ CellBlocks cluster_input(ooc::Context& context, MeshSource& source, const Simpli
                 grid.resolution() >= 0.99 * UniformGrid::kMaxResolution;
     const double cells = sample.cells_at(grid.resolution());
     CellBlocks store = pass.run(grid, cells, result);
-    store.has_vertex_cells = options.method == Method::Full;
+    store.has_vertex_cells =
+        options.method == Method::Full ||
+        (options.method == Method::Refine && sample.is_separating(grid.resolution()));
     stages.end();
 
     input.triangles = result.n_triangles;

@@ -13,9 +13,8 @@ namespace hewer::rsimp {
 
 /// What is known of the whole surface.
 struct SurfaceKind {
-    bool is_closed = false;  ///< the input has no border
-    bool has_vertex_cells =
-        false;  ///< each cell is a position of the input: clusters are connected
+    bool is_closed = false;         ///< the input has no border
+    bool has_vertex_cells = false;  ///< as in CellBlocks; clusters are connected then
 };
 
 struct ManifoldCounts {

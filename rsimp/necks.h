@@ -15,7 +15,8 @@ namespace hewer::rsimp {
 /// that are linked by way of clusters without a face. A tube does it, a connected sum: a triangle
 /// (v, a, b) of one component and (w, c, d) of the other go, six around the gap take their place.
 /// Of the tubes that would join two components the shortest is built; as none joins a component
-/// with itself, handles that were cut stay cut.
+/// with itself, handles that were cut stay cut. At most one tube is built for each 400 faces: a
+/// surface with more necks is noise, and others have more use for its triangles.
 ///
 /// `mesh`: the clusters. `named`: faces whose corners are vertices of `mesh` or, n + k, the k-th
 /// further fan of a cluster, which is extra[k]. `links`: pairs of clusters between which an edge of

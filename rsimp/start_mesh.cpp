@@ -243,7 +243,7 @@ StartMesh make_start_mesh(ooc::Context& context, MeshSource& source, const Simpl
         bool is_finest = false;
         CellBlocks cells =
             cluster_input(context, source, options, finer, stages, report, is_finest);
-        if (options.method == Method::Full) {
+        if (cells.has_vertex_cells) {
             hold_border_corners(context, options.border_weight, cells);
         }
         weigh_cells(context, options.focus, cells);
