@@ -338,6 +338,7 @@ std::string to_json(const SimplifyReport& r, const Arguments& arguments) {
                  {"dropped", to_value(r.dropped)},
                  {"refined_clusters", r.refined_clusters},
                  {"feedback", to_value(r.feedback)},
+                 {"joined_necks", r.joined_necks},
                  {"collapses", r.collapses},
                  {"lods", to_list(r.lods)},
                  {"search", to_list(r.search)},

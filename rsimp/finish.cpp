@@ -97,6 +97,7 @@ class Finisher::Level {
                 return block;
             },
             [&](std::uint64_t, const Prepared& block) {
+                report.joined_necks += block.counts.joined_necks;
                 report.lost_cells += block.counts.lost_cells;
                 append_lost(context, block.counts.lost, report.lost);
                 n_bubble_faces_ += block.counts.bubble_faces;

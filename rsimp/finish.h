@@ -26,6 +26,7 @@ struct CollapseTarget {
 
 struct FinishReport {
     std::uint64_t collapses = 0;
+    std::uint64_t joined_necks = 0;
     std::uint64_t lost_cells = 0;  ///< of clusters of which no face was left
     ooc::Spool<LostPart> lost;     ///< these clusters, and whatever else went
     /// (went, stands for it), if asked for; a pair's second may be the first of a later one.

@@ -43,6 +43,8 @@ class LodChain {
     FoldedFaces unfold(bool may_move);
 
     [[nodiscard]] const MeshStore& mesh() const { return mesh_; }
+    /// Of the mesh that the chain began with (rsimp/necks.h).
+    [[nodiscard]] std::uint64_t joined_necks() const { return report_.joined_necks; }
     /// Grid cells so far for which no vertex stands any more.
     [[nodiscard]] std::uint64_t lost_cells() const { return report_.lost_cells; }
     /// Places so far of which nothing is left, parts smaller than a cell included.

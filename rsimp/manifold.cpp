@@ -405,7 +405,8 @@ ManifoldCounts make_manifold(BlockMesh& mesh, SurfaceKind kind, std::uint64_t* n
         extra = fans.extra();
         mesh.faces = std::move(fans.named());
     }
-    if (kind.is_closed && kind.has_vertex_cells) {
+    const bool may_have_necks = !extra.empty() || !links.empty();
+    if (kind.is_closed && kind.has_vertex_cells && may_have_necks) {
         counts.joined_necks = join_necks(mesh, extra, links, mesh.faces);
     }
     const std::size_t n_before = mesh.vertices.size();

@@ -213,6 +213,7 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const Simp
         finish_lod(*sink, lod, stages, report);
         if (i > 0 && parents) all_parents.push_back(output.parents(chain.merges()));
     }
+    report.joined_necks = chain.joined_necks();
     stages.end();
     for (std::size_t i = 0; i < all_parents.size(); ++i) parents(i, all_parents[i]);
 

@@ -178,6 +178,8 @@ struct SimplifyReport {
     LostPlaces dropped;  ///< parts that were too small for SimplifyOptions::drop_parts
     std::uint64_t refined_clusters = 0;  ///< leaves of the cluster tree; 0 without refinement
     FeedbackReport feedback;
+    /// Tubes built where a neck of a closed surface was too thin for the clusters.
+    std::uint64_t joined_necks = 0;
     std::uint64_t collapses = 0;  ///< of the finishing edge collapse, all LODs
     std::vector<LodReport> lods;
     std::vector<SearchStep> search;  ///< in the order of the tries

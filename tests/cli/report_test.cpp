@@ -94,6 +94,7 @@ TEST(CliReport, of_simplify_has_all_figures) {
                                      "dropped",
                                      "refined_clusters",
                                      "feedback",
+                                     "joined_necks",
                                      "collapses",
                                      "lods",
                                      "search",
