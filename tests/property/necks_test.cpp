@@ -63,7 +63,8 @@ TEST(Necks, BeadsStayOnTheirString) {
             const Counts counts = count(run.lods[0]);
             EXPECT_TRUE(counts.is_closed() && counts.is_clean()) << length << ' ' << target;
             EXPECT_EQ(run.report.lods[0].topology.components, 1U) << length << ' ' << target;
-            EXPECT_GT(run.report.joined_necks, 0U) << length << ' ' << target;
+            // With 8000 triangles nearly every vertex is a cluster.
+            EXPECT_EQ(run.report.joined_necks > 0, target < 8000) << length << ' ' << target;
             EXPECT_LE(run.lods[0].triangles.size(), target);
         }
     }
