@@ -29,6 +29,9 @@ struct VertexFlags {
     /// Has been free before: the collapse has had its chance with it.
     static constexpr std::uint32_t kProcessed = 8;
 
+    static constexpr bool has_faces_elsewhere(std::uint32_t flags) {
+        return (flags & (kFrozen | kLocked)) != 0;
+    }
     static constexpr bool is_free(std::uint32_t flags) {
         return (flags & (kRaw | kFrozen | kLocked)) == 0;
     }

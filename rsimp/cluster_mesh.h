@@ -53,14 +53,14 @@ struct ClusterMesh {
     /// least one of its corners; duplicates and opposite pairs are still there.
     ooc::Spool<CellTriple> faces;
     /// Clusters, smaller id first, with an edge of the input between them; many have a face as
-    /// well. Only of closed surfaces whose cells are vertices, and of pairs with a cluster in the
-    /// block.
+    /// well. Empty unless has_links.
     ooc::Spool<Link> links;
     ooc::Spool<std::uint32_t> cluster_of_cell;  ///< cluster ids by cell id
     std::vector<Block> blocks;                  ///< and one more at the end, with the totals
     /// No cell has a border: equally wound copies of a face belong to different sheets, then.
     bool is_closed = false;
-    bool has_vertex_cells = false;  ///< as in CellBlocks
+    /// Clusters are connected sets of vertices of a closed input, some of several vertices.
+    bool has_links = false;
 
     [[nodiscard]] std::uint64_t n_clusters() const { return vertices.size(); }
     [[nodiscard]] std::size_t n_blocks() const { return blocks.empty() ? 0 : blocks.size() - 1; }

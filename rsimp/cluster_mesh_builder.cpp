@@ -233,8 +233,7 @@ void add_faces(ooc::Context& context, const CellBlocks& blocks, ClusterMesh& mes
     in_flight.sweep<BlockFaces>(
         blocks.n_blocks(),
         [&](std::uint64_t b, BlockFaces& block) {
-            map_faces(blocks, b, mesh.cluster_of_cell, mesh.is_closed && mesh.has_vertex_cells,
-                      block);
+            map_faces(blocks, b, mesh.cluster_of_cell, mesh.has_links, block);
         },
         [&](std::uint64_t b, const BlockFaces& block) {
             mesh.blocks[b].first_face = mesh.faces.size();
@@ -253,7 +252,6 @@ ClusterMesh build_cluster_mesh(ooc::Context& context, const CellBlocks& blocks,
     const double half = std::floor(blocks.grid.resolution() / 2);
     mesh.origin = {half, half, half};
     mesh.is_closed = blocks.n_border_cells == 0;
-    mesh.has_vertex_cells = blocks.has_vertex_cells;
     mesh.vertices = {context, "cluster vertices"};
     mesh.n_cells = {context, "cells of clusters"};
     mesh.attributes = {context, kinds_of(blocks)};
@@ -262,6 +260,8 @@ ClusterMesh build_cluster_mesh(ooc::Context& context, const CellBlocks& blocks,
     mesh.blocks.resize(blocks.n_blocks() + 1);
     mesh.cluster_of_cell = {context, "clusters of cells"};
     add_vertices(context, blocks, group_cells, mesh);
+    mesh.has_links =
+        mesh.is_closed && blocks.has_vertex_cells && mesh.n_clusters() < blocks.n_cells();
     add_faces(context, blocks, mesh);
     mesh.blocks.back() = {{}, mesh.vertices.size(), mesh.faces.size(), mesh.links.size()};
     return mesh;

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <functional>
 #include <numbers>
 #include <span>
 #include <tuple>
@@ -317,7 +317,7 @@ std::vector<bool> find_copies(const BlockMesh& mesh, const Fans& fans,
         if (!is_copied || ++n_faces[c] > kMostFacesOfBubble) is_copy[c] = false;
         for (const std::uint32_t v : named[f]) {
             const std::uint32_t flags = mesh.vertices[fans.origin(v)].flags;
-            if ((flags & (VertexFlags::kFrozen | VertexFlags::kLocked)) != 0) is_copy[c] = false;
+            if (VertexFlags::has_faces_elsewhere(flags)) is_copy[c] = false;
         }
     }
     return is_copy;
@@ -339,8 +339,7 @@ std::uint64_t drop_bubbles(const BlockMesh& mesh, Fans& fans, std::vector<LocalF
         if (n < kLarge) ++n;
         for (std::size_t i = 0; i < 3; ++i) {
             const std::uint32_t flags = mesh.vertices[fans.origin(named[f][i])].flags;
-            if (!fans.has_opposite(3 * f + i) ||
-                (flags & (VertexFlags::kFrozen | VertexFlags::kLocked)) != 0) {
+            if (!fans.has_opposite(3 * f + i) || VertexFlags::has_faces_elsewhere(flags)) {
                 n = kLarge;
             }
         }
@@ -390,9 +389,10 @@ std::uint64_t drop_bubbles(const BlockMesh& mesh, Fans& fans, std::vector<LocalF
 
 ManifoldCounts make_manifold(BlockMesh& mesh, SurfaceKind kind, std::uint64_t* next_fan) {
     ManifoldCounts counts;
-    std::vector<LocalFace> links;
-    std::copy_if(mesh.faces.begin(), mesh.faces.end(), std::back_inserter(links), is_degenerate);
-    std::erase_if(mesh.faces, is_degenerate);
+    const auto first_link =
+        std::partition(mesh.faces.begin(), mesh.faces.end(), std::not_fn(is_degenerate));
+    std::vector<LocalFace> links(first_link, mesh.faces.end());
+    mesh.faces.erase(first_link, mesh.faces.end());
     std::vector<bool> had_face(mesh.vertices.size());
     for (const LocalFace& t : mesh.faces) {
         for (const std::uint32_t v : t) had_face[v] = true;
@@ -405,8 +405,7 @@ ManifoldCounts make_manifold(BlockMesh& mesh, SurfaceKind kind, std::uint64_t* n
         extra = fans.extra();
         mesh.faces = std::move(fans.named());
     }
-    const bool may_have_necks = !extra.empty() || !links.empty();
-    if (kind.is_closed && kind.has_vertex_cells && may_have_necks) {
+    if (kind.has_links && !(extra.empty() && links.empty())) {
         counts.joined_necks = join_necks(mesh, extra, links, mesh.faces);
     }
     const std::size_t n_before = mesh.vertices.size();

@@ -13,8 +13,8 @@ namespace hewer::rsimp {
 
 /// What is known of the whole surface.
 struct SurfaceKind {
-    bool is_closed = false;         ///< the input has no border
-    bool has_vertex_cells = false;  ///< as in CellBlocks; clusters are connected then
+    bool is_closed = false;  ///< the input has no border
+    bool has_links = false;  ///< as in ClusterMesh
 };
 
 struct ManifoldCounts {
@@ -39,7 +39,7 @@ struct ManifoldCounts {
 ///    share the cluster's quadric and step a little apart, towards their own neighbours.
 ///  - Small closed components that share a cluster with a larger one (bubbles) are dropped, and so
 ///    are those of two faces, a triangle and its opposite, and small open ones that are copies.
-///  - On a closed surface of vertex cells, components that a neck held together stay together
+///  - Where links are known, components that a neck held together stay together
 ///    (rsimp/necks.h). Faces (A, B, B) tell that A and B were neighbours.
 ///
 /// A vertex that cannot be told apart because its neighbour is frozen is frozen too. The order of

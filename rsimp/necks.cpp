@@ -44,11 +44,10 @@ class Necks {
           is_finished_(label_.size(), true),
           component_of_cluster_(mesh.vertices.size(), kNoIndex),
           is_shared_(mesh.vertices.size()) {
-        constexpr std::uint32_t kReachesOut = VertexFlags::kFrozen | VertexFlags::kLocked;
         for (const LocalFace& t : named) {
             for (const std::uint32_t v : t) {
                 const std::uint32_t cluster = origin(v);
-                if ((mesh.vertices[cluster].flags & kReachesOut) != 0) {
+                if (VertexFlags::has_faces_elsewhere(mesh.vertices[cluster].flags)) {
                     is_finished_[label_[v]] = false;
                 }
                 std::uint32_t& component = component_of_cluster_[cluster];

@@ -112,7 +112,7 @@ Attempt begin(ooc::Context& context, const CellBlocks& cells, ClusterMesh cluste
     }
     start.finisher =
         std::make_unique<Finisher>(context, std::move(boxes), std::move(first_cluster),
-                                   SurfaceKind{clusters.is_closed, clusters.has_vertex_cells});
+                                   SurfaceKind{clusters.is_closed, clusters.has_links});
     attempt.n_triangles =
         static_cast<double>(start.finisher->begin(ClusterInput(clusters), start.finish));
     return attempt;
