@@ -41,8 +41,7 @@ constexpr std::uint64_t kPageBytes = 64 << 10;
 constexpr std::uint64_t kBatchBytes = 2 << 20;
 
 std::uint64_t n_samples(const MeasureOptions& options, std::uint64_t n_triangles) {
-    if (options.n_samples != 0) return options.n_samples;
-    return std::clamp(n_triangles, kLeastSamples, kMostSamples);
+    return options.n_samples != 0 ? options.n_samples : default_samples(n_triangles);
 }
 
 class Measurement {
@@ -282,6 +281,10 @@ MeasureReport Measurement::run() {
 }
 
 }  // namespace
+
+std::uint64_t default_samples(std::uint64_t n_triangles) {
+    return std::clamp(n_triangles, kLeastSamples, kMostSamples);
+}
 
 MeasureReport measure(MeshSource& original, MeshSource& simplified, const MeasureOptions& options,
                       const Hooks& hooks) {

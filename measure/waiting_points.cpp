@@ -102,15 +102,35 @@ Vec3 WaitingPoints::unpack(std::uint64_t word) {
     return p;
 }
 
-WaitingPoints::WaitingPoints(ooc::Context& context, ooc::Array<Vec3> points, double area)
-    : points_(std::move(points)),
-      best_(context.budget(), "distances", points_.size()),
-      leaves_(context.budget(), "points that wait", divide_up(points_.size(), kLeaf)),
-      nodes_(context.budget(), "tree of points that wait", n_nodes(points_.size())),
-      grid_(context.budget(), "grid of limits", n_slots(points_.size())) {
+void WaitingPoints::make_arrays(ooc::Context& context) {
+    best_ = {context.budget(), "distances", points_.size()};
+    leaves_ = {context.budget(), "points that wait", divide_up(points_.size(), kLeaf)};
+    nodes_ = {context.budget(), "tree of points that wait", n_nodes(points_.size())};
     std::fill(best_.begin(), best_.end(), std::numeric_limits<double>::infinity());
+}
+
+WaitingPoints::WaitingPoints(ooc::Context& context, ooc::Array<Vec3> points, double area)
+    : points_(std::move(points)) {
+    make_arrays(context);
+    grid_ = {context.budget(), "grid of limits", n_slots(points_.size())};
     const double cell = std::sqrt(area * kSlotsPerCell / static_cast<double>(grid_.size()));
     cell_bits_ = std::clamp(static_cast<int>(std::ceil(std::log2(std::max(cell, 1.0)))), 8, 30);
+}
+
+WaitingPoints::WaitingPoints(ooc::Context& context, ooc::Array<Piece> pieces, double enough)
+    : points_(context.budget(), "centers of pieces", pieces.size()),
+      pieces_(std::move(pieces)),
+      nearest_(context.budget(), "triangles near to pieces", points_.size()),
+      enough_(enough),
+      locks_(std::make_unique<std::array<std::mutex, kLocks>>()) {
+    std::transform(pieces_.begin(), pieces_.end(), points_.begin(), center_of);
+    make_arrays(context);
+    std::array<double, kLeaf> limits;
+    limits.fill(std::sqrt(enough));
+    for (std::uint64_t l = 0; l < leaves_.size(); ++l) {
+        fill_leaf(l, std::span(limits).first(std::min<std::uint64_t>(kLeaf, size() - l * kLeaf)));
+    }
+    fill_nodes(context);
 }
 
 /// To one of the noted points near `p`, rounded up; infinity if there is none.
@@ -308,6 +328,32 @@ HEWER_VECTOR_CLONES void WaitingPoints::meet_group(std::span<const LatticeTriang
     }
 }
 
+HEWER_INLINE void WaitingPoints::meet_point(std::uint64_t number, const LatticeTriangle& t,
+                                            float& limit) {
+    const std::atomic_ref<double> best(best_[number]);
+    const double now = best.load(std::memory_order_relaxed);
+    const double d = measuring::squared_distance(points_[number], t, now);
+    if (d < now) {
+        lower_to(best_[number], d);
+        lower_to(limit, with_slack(d));
+    }
+}
+
+HEWER_INLINE void WaitingPoints::meet_piece(std::uint64_t number, const LatticeTriangle& t,
+                                            float& limit) {
+    if (measuring::squared_distance(points_[number], t, enough_) > enough_) return;
+    const std::atomic_ref<double> best(best_[number]);
+    const double now = best.load(std::memory_order_relaxed);
+    const double d = measuring::squared_distance(pieces_[number], t, now);
+    if (d > now) return;
+    const std::lock_guard lock((*locks_)[number % kLocks]);
+    if (d < best_[number] || (d == best_[number] && t < nearest_[number])) {
+        best.store(d, std::memory_order_relaxed);
+        nearest_[number] = t;
+    }
+    if (d <= enough_) lower_to(limit, -1.0F);
+}
+
 HEWER_INLINE void WaitingPoints::meet_leaf(std::uint64_t l, const LatticeTriangle& t,
                                            const Corners& box) {
     Leaf& leaf = leaves_[l];
@@ -324,13 +370,10 @@ HEWER_INLINE void WaitingPoints::meet_leaf(std::uint64_t l, const LatticeTriangl
     for (std::size_t i = 0; i < kLeaf; ++i) {
         const std::atomic_ref<float> limit(leaf.limit[i]);
         if (d2[i] > limit.load(std::memory_order_relaxed)) continue;
-        const std::uint64_t number = l * kLeaf + i;
-        const std::atomic_ref<double> best(best_[number]);
-        const double now = best.load(std::memory_order_relaxed);
-        const double d = measuring::squared_distance(points_[number], t, now);
-        if (d < now) {
-            lower_to(best_[number], d);
-            lower_to(leaf.limit[i], with_slack(d));
+        if (pieces_.empty()) {
+            meet_point(l * kLeaf + i, t, leaf.limit[i]);
+        } else {
+            meet_piece(l * kLeaf + i, t, leaf.limit[i]);
         }
     }
 }

@@ -7,11 +7,14 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
 #include "hewer/types.h"
 #include "measure/lattice.h"
+#include "measure/piece.h"
 #include "ooc/array.h"
 #include "ooc/context.h"
 #include "ooc/vector_clones.h"
@@ -33,13 +36,23 @@ namespace hewer::measuring {
 /// Whatever the limits, the result is the least of squared_distance() over all triangles, to the
 /// bit: limits only decide how much is looked at in vain. Points should come in an order that is
 /// coherent in space: eight that follow each other make a leaf.
-/// Memory: 52 bytes a point, and the grid: 8 to 16 bytes a point until settle() (see bytes()).
+///
+/// A piece of surface waits as its center does, for a triangle that is within a given distance of
+/// all of it: only triangles that are so near to the center are looked at.
+///
+/// Memory: 52 bytes a point, and the grid: 8 to 16 bytes a point until settle() (see bytes()); 124
+/// bytes a piece.
 class WaitingPoints {
   public:
     WaitingPoints() = default;
     /// `points` in steps, each coordinate within +-kLatticeRadius. The surface to come has about
     /// `area` square steps.
     WaitingPoints(ooc::Context& context, ooc::Array<Vec3> points, double area);
+    /// Pieces, ready to meet(): they need no limits. squared_distance() is the least of those of
+    /// squared_distance(Piece) for the triangles within `enough` square steps of the center, and
+    /// infinity if there is none; one that is not above `enough` may be any. Of several triangles
+    /// at the least distance the first in order is nearest().
+    WaitingPoints(ooc::Context& context, ooc::Array<Piece> pieces, double enough);
 
     /// Thread-safe.
     void note(const LatticePoint& p) {
@@ -57,15 +70,23 @@ class WaitingPoints {
 
     [[nodiscard]] std::uint64_t size() const { return points_.size(); }
     [[nodiscard]] const Vec3& point(std::uint64_t i) const { return points_[i]; }
+    [[nodiscard]] const Piece& piece(std::uint64_t i) const { return pieces_[i]; }
+    [[nodiscard]] const LatticeTriangle& nearest(std::uint64_t i) const { return nearest_[i]; }
     /// Infinity if no triangle came.
     [[nodiscard]] double squared_distance(std::uint64_t i) const { return best_[i]; }
 
     /// Bytes for `n` points, the points included.
     static std::uint64_t bytes(std::uint64_t n);
+    /// The same for pieces.
+    static std::uint64_t piece_bytes(std::uint64_t n) {
+        return bytes(n) + n * (sizeof(Piece) + sizeof(LatticeTriangle)) -
+               n_slots(n) * sizeof(std::uint64_t);
+    }
 
   private:
     static constexpr std::size_t kLeaf = 8;    // points
     static constexpr std::size_t kFanOut = 8;  // children
+    static constexpr std::size_t kLocks = 64;
 
     /// Points rounded to the lattice, and the squares of their limits, with slack.
     struct Leaf {
@@ -102,6 +123,9 @@ class WaitingPoints {
     static std::uint64_t n_nodes(std::uint64_t n);
 
     [[nodiscard]] double distance_to_noted(const LatticePoint& p) const;
+    void meet_point(std::uint64_t number, const LatticeTriangle& t, float& limit);
+    void meet_piece(std::uint64_t number, const LatticeTriangle& t, float& limit);
+    void make_arrays(ooc::Context& context);
     void fill_leaf(std::uint64_t leaf, std::span<const double> limits);
     [[nodiscard]] Box box_of_leaf(std::uint64_t leaf);
     [[nodiscard]] static Box box_of_node(Node& node);
@@ -125,6 +149,11 @@ class WaitingPoints {
 
     ooc::Array<Vec3> points_;
     ooc::Array<double> best_;  // squared
+    // Of pieces, or empty: the points are their centers.
+    ooc::Array<Piece> pieces_;
+    ooc::Array<LatticeTriangle> nearest_;
+    double enough_ = 0;  // squared
+    std::unique_ptr<std::array<std::mutex, kLocks>> locks_;
     ooc::Array<Leaf> leaves_;
     ooc::Array<Node> nodes_;             // the parents of leaves first; the root last
     std::vector<std::uint64_t> levels_;  // first node of each

@@ -25,8 +25,8 @@ enum class MapOf {
 };
 
 struct MeasureOptions {
-    /// About so many samples on each surface besides its vertices, spread by area. 0: as many as
-    /// the surface has triangles, at least 500'000 and at most 10'000'000.
+    /// About so many samples on each surface besides its vertices, spread by area. 0:
+    /// default_samples() of its triangles.
     std::uint64_t n_samples = 0;
     std::uint64_t seed = 1;
     /// A mesh file to write (see MeshSink), its vertices coloured by distance; empty: none.
@@ -43,6 +43,9 @@ struct MeasureOptions {
     std::filesystem::path temp_dir{};  ///< for what does not fit: empty: TMPDIR, else /tmp
     std::uint64_t max_temp_bytes = 0;  ///< 0: no limit
 };
+
+/// As many as a surface has triangles, at least 500'000 and at most 10'000'000.
+std::uint64_t default_samples(std::uint64_t n_triangles);
 
 /// `n` of the samples are at `from` or farther, and nearer than `to`; model units.
 struct DistanceBin {

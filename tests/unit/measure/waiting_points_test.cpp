@@ -128,5 +128,46 @@ TEST(WaitingPoints, TakeTheBytesTheyState) {
     EXPECT_LE(WaitingPoints::bytes(1 << 20), 61ULL << 20);
 }
 
+TEST(WaitingPoints, PiecesFindWhatIsWithinReachOfTheirCenters) {
+    for (const std::int32_t size : {3000, 200'000}) {
+        std::mt19937 random(7);
+        const auto triangles = triangles_of(random, 1500, size, 1'000'000);
+        const std::vector<Piece> pieces = triangles_of(random, 700, size, 1'000'000);
+        const double enough = 80'000.0 * 80'000;
+        ooc::Context context({.memory_bytes = kMemory, .n_threads = 2});
+        WaitingPoints waiting(context, array_of(context, pieces), enough);
+        context.workers().for_ranges(
+            triangles.size(), 97, [&](std::uint64_t begin, std::uint64_t end) {
+                waiting.meet(std::span(triangles).subspan(begin, end - begin));
+            });
+        std::size_t n_near = 0;
+        std::size_t n_far = 0;
+        for (std::size_t i = 0; i < pieces.size(); ++i) {
+            double least = std::numeric_limits<double>::infinity();
+            LatticeTriangle first{};
+            for (const LatticeTriangle& t : triangles) {
+                if (squared_distance(center_of(pieces[i]), t) > enough) continue;
+                const double d = squared_distance(pieces[i], t);
+                if (d > least || (d == least && first < t)) continue;
+                least = d;
+                first = t;
+            }
+            if (least <= enough) {
+                ++n_near;
+                EXPECT_LE(waiting.squared_distance(i), enough);
+            } else {
+                EXPECT_EQ(waiting.squared_distance(i), least);
+                if (std::isinf(least)) {
+                    ++n_far;
+                } else {
+                    EXPECT_EQ(waiting.nearest(i), first);
+                }
+            }
+        }
+        EXPECT_GT(n_near, 20U);
+        EXPECT_GT(n_far, 10U);
+    }
+}
+
 }  // namespace
 }  // namespace hewer::measuring
