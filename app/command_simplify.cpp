@@ -77,6 +77,11 @@ void print_summary(const SimplifyReport& r, bool is_reported) {
                       << " of it by quantisation";
         }
         std::cout << '\n';
+        if (lod.proven_within > 0) {
+            std::cout << "proven     no point of either surface is farther than "
+                      << format_length(lod.proven_within) << " ("
+                      << format_percent(lod.proven_within, diagonal) << ") from the other\n";
+        }
         if (lod.measured) print_measured(*lod.measured, diagonal);
         if (lod.lost.places != 0) {
             std::cout << "lost       " << format_plural(lod.lost.places, "place")

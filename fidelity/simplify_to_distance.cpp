@@ -15,6 +15,7 @@
 #include "hewer/measure.h"
 #include "hewer/simplify.h"
 #include "hewer/topology_limit.h"
+#include "hewer/within.h"
 #include "ooc/memory_budget.h"
 
 namespace hewer {
@@ -35,9 +36,12 @@ constexpr double kFar = 0.7;
 constexpr unsigned kFeedbackRounds = 3;
 // Runs with one budget, each with more weight on the places at which those before fail, and all
 // runs after which none is repeated.
-constexpr unsigned kRunsPerBudget = 4;
-constexpr std::size_t kMostRuns = 24;
-// A try that is near enough is measured again, at so many times the points.
+constexpr unsigned kRunsPerBudget = 8;
+constexpr std::size_t kMostRuns = 32;
+// Points on each surface for a first look at a try: what is far at one of them needs no proof.
+constexpr std::uint64_t kFirstLook = 100'000;
+// Where a proof is out of reach, a try that is near enough is measured again, at so many times the
+// points that it is measured at in the end.
 constexpr std::uint64_t kCloser = 3;
 constexpr std::uint64_t kOtherSeed = 2;
 // Of the square of its edge: the area of an equilateral triangle.
@@ -62,6 +66,8 @@ class SearchProgress {
     /// For the part of the try from `from` to `to`.
     [[nodiscard]] Hooks hooks(double from, double to) const {
         Hooks hooks = hooks_;
+        // What there is to warn of has been said in the first try.
+        if (n_tries_ > 1) hooks.on_warning = nullptr;
         if (!hooks_.on_progress) return hooks;
         hooks.on_progress = [=, this](const Progress& progress) {
             Progress whole = progress;
@@ -125,6 +131,9 @@ class Search {
             }
         }
         if (!best_) refuse();
+        // As `hewer measure` does, for the report.
+        best_->report.lods.front().measured =
+            measure(*source_, *best_->mesh.source("result"), measuring(), progress_.hooks(1, 1));
         best_->report.search = steps_;
         best_->report.seconds = source_->opening_seconds() + progress_.elapsed();
         return std::move(best_);
@@ -183,21 +192,55 @@ class Search {
         one->report = simplify(
             *source_, [&](std::size_t) { return one->mesh.sink(); }, options,
             progress_.hooks(0, 0.6));
+        const std::unique_ptr<MeshSource> level = one->mesh.source("try");
+        MeasureOptions how = measuring();
+        how.n_samples = kFirstLook;
+        MeasureReport& found = one->report.lods.front().measured.emplace(
+            measure(*source_, *level, how, progress_.hooks(0.6, 0.8)));
+        if (bound_ == 0) set_bound(target_.value * found.bounds.diagonal());
+        if (larger(found) <= bound_) prove(*level, one->report.lods.front());
+        return one;
+    }
+
+    /// Of a try that is near enough at the points of the first look.
+    void prove(MeshSource& level, LodReport& lod) {
+        const WithinReport proof =
+            prove_within(*source_, level, bound_, measuring(), progress_.hooks(0.8, 1));
+        MeasureReport& found = *lod.measured;
+        switch (proof.verdict) {
+            case WithinReport::Verdict::Proven:
+                lod.proven_within = bound_ / kSafety;  // of the file
+                break;
+            case WithinReport::Verdict::Refuted:
+                add_places(proof.forward, found.forward);
+                add_places(proof.backward, found.backward);
+                break;
+            case WithinReport::Verdict::Undecided:
+                found = measure_closely(level);
+                break;
+        }
+    }
+    void add_places(const std::vector<WorstPlace>& far, DistanceReport& side) const {
+        if (far.empty()) return;
+        // A place may be nearer by what the proof cannot tell: it is too far all the same.
+        side.maximum = std::max(std::nextafter(bound_, 2 * bound_), far.front().distance);
+        side.worst.insert(side.worst.begin(), far.begin(), far.end());
+    }
+    /// Of several tries the best is the one whose samples have missed most.
+    MeasureReport measure_closely(MeshSource& level) {
+        MeasureOptions how = measuring();
+        how.n_samples =
+            kCloser * default_samples(std::max(source_->info().n_faces, level.info().n_faces));
+        how.seed = kOtherSeed;
+        return measure(*source_, level, how, progress_.hooks(0.8, 1));
+    }
+    [[nodiscard]] MeasureOptions measuring() const {
         MeasureOptions how;
         how.memory_bytes = options_.memory_bytes;
         how.n_threads = options_.n_threads;
         how.temp_dir = options_.temp_dir;
         how.max_temp_bytes = options_.max_temp_bytes;
-        std::optional<MeasureReport>& found = one->report.lods.front().measured;
-        found = measure(*source_, *one->mesh.source("try"), how, progress_.hooks(0.6, 0.8));
-        if (bound_ == 0) set_bound(target_.value * found->bounds.diagonal());
-        if (larger(*found) <= bound_) {
-            // Of several tries the best is the one whose samples have missed most: look closer.
-            how.n_samples = kCloser * std::max(found->forward.n_samples, found->backward.n_samples);
-            how.seed = kOtherSeed;
-            found = measure(*source_, *one->mesh.source("try"), how, progress_.hooks(0.8, 1));
-        }
-        return one;
+        return how;
     }
 
     [[noreturn]] void refuse() const {

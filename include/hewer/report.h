@@ -154,6 +154,9 @@ struct LodReport {
     std::optional<FoldedFaces> folded;  ///< not counted with Method::Uniform
     TopologyReport topology;
     std::optional<MeasureReport> measured;  ///< by the functions of hewer/certify.h
+    /// No point of either surface, input or LOD, is farther than this from the other one; 0 if that
+    /// was not asked for or could not be shown. By simplify_to_distance().
+    double proven_within = 0;
     bool is_nested = true;  ///< every vertex of the next finer LOD has one parent here
     std::uint64_t bytes = 0;
 };

@@ -8,11 +8,14 @@
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
+#include <fstream>
 #include <string>
+#include <vector>
 
 #include "hewer/error.h"
 #include "hewer/measure.h"
 #include "hewer/mesh_sink.h"
+#include "hewer/within.h"
 #include "tests/support/shapes.h"
 #include "tests/support/temp_dir.h"
 
@@ -72,6 +75,10 @@ TEST_F(Certify, DistanceThatIsAskedForIsKeptAndTighterOnesTakeMore) {
         ASSERT_TRUE(lod.measured);
         EXPECT_LE(lod.measured->forward.maximum, bound);
         EXPECT_LE(lod.measured->backward.maximum, bound);
+        EXPECT_NEAR(lod.proven_within, bound, 1e-9 * bound);
+        const auto original = open_mesh(input);
+        EXPECT_EQ(prove_within(*original, *open_mesh(output), bound).verdict,
+                  WithinReport::Verdict::Proven);
         EXPECT_GT(lod.triangles, coarser);
         coarser = lod.triangles;
         // One of the tries with fewer triangles was too far: nothing was given away.
@@ -122,6 +129,29 @@ TEST_F(Certify, SameBytesForAnyNumberOfThreads) {
         if (hash.empty()) hash = report.result_hash;
         EXPECT_EQ(report.result_hash, hash);
     }
+}
+
+TEST_F(Certify, SaysOnceWhatThereIsToWarnOf) {
+    const Mesh mesh = test::cube_sphere(12);
+    const auto input = file("in.ply");
+    std::ofstream out(input);
+    out << "ply\nformat ascii 1.0\nelement vertex " << mesh.positions.size()
+        << "\nproperty float x\nproperty float y\nproperty float z\nproperty float confidence\n"
+        << "element face " << mesh.triangles.size()
+        << "\nproperty list uchar int vertex_indices\nend_header\n";
+    for (const Vec3& p : mesh.positions) {
+        out << p[0] << ' ' << p[1] << ' ' << p[2] << " 1\n";
+    }
+    for (const Triangle& t : mesh.triangles) {
+        out << "3 " << t[0] << ' ' << t[1] << ' ' << t[2] << '\n';
+    }
+    out.close();
+    std::vector<std::string> warnings;
+    Hooks hooks;
+    hooks.on_warning = [&](const std::string& text) { warnings.push_back(text); };
+    const SimplifyReport report = simplify_to_distance(input, file("out.ply"), within(0.03), hooks);
+    EXPECT_GT(report.search.size(), 1U);
+    EXPECT_EQ(warnings.size(), 1U);
 }
 
 TEST_F(Certify, LevelsComeWithWhatMeasureSaysOfThem) {
