@@ -2,6 +2,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "app/commands.h"
@@ -14,10 +17,13 @@
 #include "hewer/measure.h"
 #include "hewer/text_file.h"
 #include "hewer/units.h"
+#include "hewer/within.h"
 
 namespace hewer::app {
 
 namespace {
+
+constexpr std::size_t kMostPlaces = 3;
 
 void print_row(const char* name, double forward, double backward, double diagonal) {
     std::printf("%-12s %14s %12s %14s %12s\n", name, format_length(forward).c_str(),
@@ -34,13 +40,19 @@ std::string format_share(double share) {
 
 /// The first few; the report has ten.
 void print_worst(const char* surface, const DistanceReport& side, double diagonal) {
-    constexpr std::size_t kMost = 3;
     std::printf("worst places of the %s:\n", surface);
-    for (std::size_t i = 0; i < std::min(kMost, side.worst.size()); ++i) {
+    for (std::size_t i = 0; i < std::min(kMostPlaces, side.worst.size()); ++i) {
         const WorstPlace& w = side.worst[i];
         std::printf("  %s (%s) at %.6g, %.6g, %.6g\n", format_length(w.distance).c_str(),
                     format_percent(w.distance, diagonal).c_str(), w.point[0], w.point[1],
                     w.point[2]);
+    }
+}
+
+/// The first few; the report has ten.
+void print_places(const char* surface, const std::vector<WorstPlace>& places) {
+    for (const WorstPlace& w : std::span(places).first(std::min(kMostPlaces, places.size()))) {
+        std::printf("  %.6g, %.6g, %.6g of %s\n", w.point[0], w.point[1], w.point[2], surface);
     }
 }
 
@@ -70,6 +82,27 @@ void print_table(const MeasureReport& r) {
                 format_seconds(r.seconds).c_str(), format_bytes(r.peak_resident_bytes).c_str());
 }
 
+void print_proof(const Proof& proof, double diagonal) {
+    const std::string distance =
+        format_length(proof.distance) + " (" + format_percent(proof.distance, diagonal) + ")";
+    switch (proof.report.verdict) {
+        case WithinReport::Verdict::Proven:
+            std::printf("proven: no point of either surface is farther than %s from the other\n",
+                        distance.c_str());
+            break;
+        case WithinReport::Verdict::Refuted:
+            std::printf("not within %s: farther, or by less than a hundredth nearer, are\n",
+                        distance.c_str());
+            print_places("the original", proof.report.forward);
+            print_places("the simplified surface", proof.report.backward);
+            break;
+        case WithinReport::Verdict::Undecided:
+            std::printf("not decided: that no point is farther than %s was shown neither way\n",
+                        distance.c_str());
+            break;
+    }
+}
+
 void print_map(const std::filesystem::path& map, const MeasureReport& r) {
     std::printf("%s: dark blue is distance 0, yellow is %s (%s of the diagonal) and beyond\n",
                 map.string().c_str(), format_length(r.map_range).c_str(),
@@ -78,7 +111,7 @@ void print_map(const std::filesystem::path& map, const MeasureReport& r) {
 
 }  // namespace
 
-void run_measure(const Arguments& arguments, const std::stop_token& stop) {
+ExitCode run_measure(const Arguments& arguments, const std::stop_token& stop) {
     const std::filesystem::path original = arguments.path("original");
     const std::filesystem::path simplified = arguments.path("simplified");
     std::vector<PlannedOutput> outputs;
@@ -105,15 +138,28 @@ void run_measure(const Arguments& arguments, const std::stop_token& stop) {
     ProgressPrinter printer(
         choose_progress_style(arguments.get<std::string>("progress"), arguments.flag("quiet")));
     const MeasureReport report = measure_files(original, simplified, options, printer.hooks(stop));
+    std::optional<Proof> proof;
+    if (arguments.is_given("within")) {
+        const Target within = arguments.get<Target>("within");
+        proof.emplace();
+        proof->distance = within.kind == Target::Kind::RelativeError
+                              ? within.value * report.bounds.diagonal()
+                              : within.value;
+        proof->report =
+            prove_within_files(original, simplified, proof->distance, options, printer.hooks(stop));
+    }
     printer.finish();
     if (!arguments.flag("quiet")) {
         print_table(report);
+        if (proof) print_proof(*proof, report.bounds.diagonal());
         if (!options.map.empty()) print_map(options.map, report);
     }
     if (arguments.is_given("report")) {
-        write_text_file(arguments.path("report"), to_json(report, arguments),
+        write_text_file(arguments.path("report"), to_json(report, proof, arguments),
                         arguments.flag("force"));
     }
+    return !proof || proof->report.verdict == WithinReport::Verdict::Proven ? ExitCode::Ok
+                                                                            : ExitCode::TooFar;
 }
 
 }  // namespace hewer::app

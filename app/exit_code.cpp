@@ -10,8 +10,9 @@ namespace hewer::app {
 
 namespace {
 
-constexpr std::array<ExitMeaning, 9> kMeanings{{
+constexpr std::array<ExitMeaning, 10> kMeanings{{
     {ExitCode::Ok, "done"},
+    {ExitCode::TooFar, "measure --within: a point is farther, or that none is could not be shown"},
     {ExitCode::Usage, "usage: options that are wrong, contradictory, or would overwrite a file"},
     {ExitCode::Format, "an input is not what it claims to be"},
     {ExitCode::Io, "a file could not be read or written"},

@@ -10,6 +10,7 @@ namespace hewer::app {
 
 enum class ExitCode : int {
     Ok = 0,
+    TooFar = 1,
     Usage = 2,
     Format = 3,
     Io = 4,

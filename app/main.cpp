@@ -19,20 +19,25 @@ namespace hewer::app {
 
 namespace {
 
-void run(const Arguments& arguments, const std::stop_token& stop) {
+ExitCode run(const Arguments& arguments, const std::stop_token& stop) {
     switch (arguments.command()) {
         case Command::Simplify:
-            return run_simplify(arguments, stop);
+            run_simplify(arguments, stop);
+            return ExitCode::Ok;
         case Command::Measure:
             return run_measure(arguments, stop);
         case Command::Info:
-            return run_info(arguments, stop);
+            run_info(arguments, stop);
+            return ExitCode::Ok;
         case Command::Plan:
-            return run_plan(arguments);
+            run_plan(arguments);
+            return ExitCode::Ok;
         case Command::Generate:
-            return run_generate(arguments, stop);
+            run_generate(arguments, stop);
+            return ExitCode::Ok;
         case Command::Render:
-            return run_render(arguments, stop);
+            run_render(arguments, stop);
+            return ExitCode::Ok;
         case Command::Help:
             break;  // became a HelpText
     }
@@ -55,8 +60,9 @@ ExitCode run_all(int argc, const char* const* argv) {
     }
     const auto& arguments = std::get<Arguments>(parsed);
     const Interrupt interrupt;
+    ExitCode code = ExitCode::Ok;
     try {
-        run(arguments, interrupt.token());
+        code = run(arguments, interrupt.token());
     } catch (const Cancelled&) {
         std::cerr << "hewer: interrupted; no file was left behind\n";
         return Interrupt::signal() == SIGINT ? ExitCode::Interrupted : ExitCode::Terminated;
@@ -66,7 +72,7 @@ ExitCode run_all(int argc, const char* const* argv) {
         throw UsageError(e.what(), std::string(command_name(arguments.command())));
     }
     flush_output();
-    return ExitCode::Ok;
+    return code;
 }
 
 ExitCode report_failure(const std::exception& error) {

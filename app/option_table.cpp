@@ -92,8 +92,8 @@ OptionSpec{"vertices", "--vertices", "N", T::Count, kTargets, "vertices", "", 1,
 OptionSpec{"ratio", "--ratio", "R", T::Ratio, kTargets, "of the input's triangles", "", 0, 0, "", kTarget, false,
     "At most this share of the input's triangles: 5% or 0.05."},
 OptionSpec{"error", "--error", "E", T::Error, kSimplify, "model units, or % of the diagonal", "", 0, 0, "", kTarget, false,
-    "Smallest result whose measured distance from the input, either way, is at most this: 0.5 in model "
-    "units, or 0.01% of the bounding box's diagonal. Some ten to twenty runs."},
+    "Smallest result that is within this distance of the input, either way, proven for all points: 0.5 "
+    "in model units, or 0.01% of the bounding box's diagonal. Some ten to thirty runs."},
 OptionSpec{"displacement", "--displacement", "E", T::Error, kTargets, "model units, or % of the diagonal", "", 0, 0, "", kTarget, false,
     "No original vertex moves farther: proven from the clusters, in one run."},
 OptionSpec{"lods", "--lods", "LIST", T::Lods, kTargets, "triangles, or ratios", "", 0, 0, "", kTarget, false,
@@ -147,6 +147,9 @@ OptionSpec{"samples", "--samples", "N", T::Count, kMeasure, "points a surface, a
     "Points spread over each surface by area, besides all of its vertices."},
 OptionSpec{"seed", "--seed", "N", T::Count, kMeasure, "", "1", 0, kMostCount, "", kSurface, false,
     "Another seed gives other points."},
+OptionSpec{"within", "--within", "E", T::Error, kMeasure, "model units, or % of the diagonal", "", 0, 0, "", kSurface, false,
+    "Prove that no point of either surface is farther from the other one, between the samples as well; "
+    "if that does not hold, say where, and exit with 1."},
 OptionSpec{"map", "--map", "FILE", T::Path, kMeasure, "", "", 0, 0, ".ply", kSurface, false,
     "Write a mesh with its vertices coloured by distance: dark blue for none, through green, to "
     "yellow at the map's range and beyond."},

@@ -239,6 +239,26 @@ Json to_value(const DistanceReport& r) {
             {"worst", to_list(r.worst)}};
 }
 
+const char* name_of(WithinReport::Verdict verdict) {
+    switch (verdict) {
+        case WithinReport::Verdict::Proven:
+            return "proven";
+        case WithinReport::Verdict::Refuted:
+            return "refuted";
+        case WithinReport::Verdict::Undecided:
+            break;
+    }
+    return "undecided";
+}
+
+Json to_value(const Proof& p) {
+    return {{"distance", p.distance},
+            {"verdict", name_of(p.report.verdict)},
+            {"forward", to_list(p.report.forward)},
+            {"backward", to_list(p.report.backward)},
+            {"n_pieces", p.report.n_pieces}};
+}
+
 Json to_value(const SearchStep& s) {
     return {{"triangles", s.triangles}, {"distance", s.distance}};
 }
@@ -262,6 +282,7 @@ Json to_value(const LodReport& r) {
             {"folded", r.folded ? to_value(*r.folded) : Json()},
             {"topology", to_value(r.topology)},
             {"measured", r.measured ? to_value(*r.measured) : Json()},
+            {"proven_within", r.proven_within},
             {"is_nested", r.is_nested},
             {"bytes", r.bytes}};
 }
@@ -355,7 +376,8 @@ std::string to_json(const SimplifyReport& r, const Arguments& arguments) {
                  {"result_hash", r.result_hash}});
 }
 
-std::string to_json(const MeasureReport& r, const Arguments& arguments) {
+std::string to_json(const MeasureReport& r, const std::optional<Proof>& proof,
+                    const Arguments& arguments) {
     return dump({{"version", version()},
                  {"command", "measure"},
                  {"options", options_of(arguments)},
@@ -366,6 +388,7 @@ std::string to_json(const MeasureReport& r, const Arguments& arguments) {
                  {"original_triangles", r.original_triangles},
                  {"simplified_triangles", r.simplified_triangles},
                  {"map_range", r.map_range},
+                 {"within", proof ? to_value(*proof) : Json()},
                  {"temp_bytes_written", r.temp_bytes_written},
                  {"seconds", r.seconds},
                  {"peak_resident_bytes", r.peak_resident_bytes}});

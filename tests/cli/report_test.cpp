@@ -115,9 +115,10 @@ TEST(CliReport, of_simplify_has_all_figures) {
                     "surviving_triangles", "is_consistently_wound"}));
     ASSERT_EQ(report["lods"].size(), 1U);
     const json& lod = report["lods"][0];
-    EXPECT_EQ(keys_of(lod), (Keys{"path", "target", "target_triangles", "triangles", "vertices",
-                                  "bounds", "error_bound", "quantization", "lost_cells", "lost",
-                                  "fit", "folded", "topology", "measured", "is_nested", "bytes"}));
+    EXPECT_EQ(keys_of(lod),
+              (Keys{"path", "target", "target_triangles", "triangles", "vertices", "bounds",
+                    "error_bound", "quantization", "lost_cells", "lost", "fit", "folded",
+                    "topology", "measured", "proven_within", "is_nested", "bytes"}));
     EXPECT_EQ(lod["target"], (json{{"kind", "triangles"}, {"value", 500}}));
     EXPECT_LE(lod["triangles"], 500);
     EXPECT_GE(lod["triangles"], 495);
@@ -146,8 +147,8 @@ TEST(CliReport, of_measure_has_all_figures) {
     const json report = json::parse(read_file(dir.file("report.json")));
     EXPECT_EQ(keys_of(report),
               (Keys{"version", "command", "options", "forward", "backward", "bounds", "diagonal",
-                    "original_triangles", "simplified_triangles", "map_range", "temp_bytes_written",
-                    "seconds", "peak_resident_bytes"}));
+                    "original_triangles", "simplified_triangles", "map_range", "within",
+                    "temp_bytes_written", "seconds", "peak_resident_bytes"}));
     const Keys distance{"maximum",     "mean",       "rms",        "vertex_maximum",
                         "vertex_mean", "vertex_rms", "n_vertices", "n_samples",
                         "quantiles",   "histogram",  "worst"};
@@ -155,6 +156,31 @@ TEST(CliReport, of_measure_has_all_figures) {
     EXPECT_EQ(keys_of(report["backward"]), distance);
     EXPECT_EQ(report["original_triangles"], 1800);
     EXPECT_GT(report["forward"]["maximum"], 0);
+}
+
+TEST(CliReport, of_measure_has_what_is_proven_and_the_exit_code_tells) {
+    const ScratchDir dir;
+    write_hills(dir.file("in.ply"), 30);
+    write_hills(dir.file("coarse.ply"), 15);
+    const auto measure = [&](const char* distance) {
+        return run_program({"measure", dir.file("in.ply"), dir.file("coarse.ply"), "--samples",
+                            "10k", "--within", distance, "--report", dir.file("report.json"),
+                            "--force"});
+    };
+    const Outcome near = measure("50%");
+    EXPECT_EQ(near.code, 0) << near.err;
+    EXPECT_NE(near.out.find("proven"), std::string::npos) << near.out;
+    json within = json::parse(read_file(dir.file("report.json")))["within"];
+    EXPECT_EQ(keys_of(within), (Keys{"distance", "verdict", "forward", "backward", "n_pieces"}));
+    EXPECT_EQ(within["verdict"], "proven");
+    const Outcome far = measure("0.001%");
+    EXPECT_EQ(far.code, 1) << far.err;
+    EXPECT_NE(far.out.find("not within"), std::string::npos) << far.out;
+    within = json::parse(read_file(dir.file("report.json")))["within"];
+    EXPECT_EQ(within["verdict"], "refuted");
+    EXPECT_FALSE(within["forward"].empty() && within["backward"].empty());
+    EXPECT_EQ(measure("1e-12").code, 1) << "what cannot be told is not proven";
+    EXPECT_EQ(measure("0").code, 2);
 }
 
 TEST(CliReport, of_measure_has_the_range_of_the_map_and_a_picture_shows_it) {
