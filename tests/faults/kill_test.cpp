@@ -60,6 +60,8 @@ TEST_P(KilledRun, leaves_nothing_that_the_next_one_minds) {
             // Only where the file system knows no files without a name.
             EXPECT_NE(name.find(".hewer-"), std::string::npos) << name;
         }
+        // Where nothing is left the next run is one like the first: one of them shows it.
+        if (run.outputs.list().empty() && n != stages.size()) continue;
         const Outcome again = run_program(run.args);
         EXPECT_EQ(again.code, 0) << again.err;
         expect_results();
