@@ -27,7 +27,7 @@ SimplifyReport simplify_and_measure(const InputPaths& input, const std::filesyst
 /// surfaces. The displacement that simplify() bounds for such targets is not what is searched for
 /// here.
 ///
-/// Passes: some ten to thirty-two runs of simplify() and measure(). Memory: theirs, and 46 bytes
+/// Passes: some ten to forty runs of simplify() and measure(). Memory: theirs, and 46 bytes
 /// for each triangle of the result and of the one or two tries at hand. Throws: what simplify(),
 /// measure() and prove_within() throw; InvalidArgument if no budget is good enough, or with
 /// quantisation, which would come on top.
