@@ -28,6 +28,7 @@ constexpr double kSlotsPerCell = 2;
 // What is left of a coordinate in a packed point.
 constexpr unsigned kPackedBits = 21;
 constexpr unsigned kDroppedBits = 31 - kPackedBits;
+constexpr std::uint64_t kHalfDropped = (1U << kDroppedBits) / 2;
 
 constexpr std::uint64_t divide_up(std::uint64_t a, std::uint64_t b) {
     return (a + b - 1) / b;
@@ -86,7 +87,7 @@ std::uint64_t WaitingPoints::bytes(std::uint64_t n) {
 std::uint64_t WaitingPoints::pack(const LatticePoint& p) {
     std::uint64_t word = 1;
     for (const std::int32_t x : p) {
-        const auto positive = static_cast<std::uint64_t>(x + (kLatticeRadius + 1));
+        const auto positive = static_cast<std::uint64_t>(std::int64_t{x} + (kLatticeRadius + 1));
         word = word << kPackedBits | positive >> kDroppedBits;
     }
     return word;
@@ -96,7 +97,7 @@ Vec3 WaitingPoints::unpack(std::uint64_t word) {
     Vec3 p{};
     for (std::size_t k = 3; k-- > 0;) {
         const std::uint64_t x = (word & ((1U << kPackedBits) - 1)) << kDroppedBits;
-        p[k] = static_cast<double>(x + (1U << kDroppedBits) / 2) - (kLatticeRadius + 1.0);
+        p[k] = static_cast<double>(x + kHalfDropped) - (kLatticeRadius + 1.0);
         word >>= kPackedBits;
     }
     return p;

@@ -29,7 +29,7 @@ class Certify : public testing::Test {
         return folder_.path() / name;
     }
     std::filesystem::path write(const Mesh& mesh) const {
-        const auto path = file("in.ply");
+        std::filesystem::path path = file("in.ply");
         const auto sink = create_mesh_file(path);
         SinkHeader header;
         header.n_vertices = mesh.positions.size();

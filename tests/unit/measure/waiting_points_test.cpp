@@ -97,12 +97,14 @@ TEST(WaitingPoints, SurfaceAlongAStripIsLookedUpInGroupsAndFoundAllTheSame) {
     // Triangles side by side, as files have them: groups form, grow and end.
     std::mt19937 random(3);
     std::vector<LatticeTriangle> triangles;
+    triangles.reserve(5000);
     for (std::int32_t i = 0; i < 5000; ++i) {
         const std::int32_t x = i * 1000;
         const std::int32_t z = coordinate(random, 3000);
         triangles.push_back({{{x, 0, z}, {x + 1000, 0, z}, {x, 1000, z + 500}}});
     }
     std::vector<Vec3> points;
+    points.reserve(300);
     for (std::int32_t i = 0; i < 300; ++i) {
         points.push_back({i * 16'667.0, 400, coordinate(random, 100'000) + 0.5});
     }
