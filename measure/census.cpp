@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "hewer/error.h"
 #include "measure/points.h"
 #include "ooc/exact_sum.h"
 
@@ -68,6 +69,16 @@ Census take_census(ooc::Context& context, MeshSource& source, std::uint64_t wind
         if (census.used.get(v)) ++census.n_vertices;
     }
     census.coherence = triangles.coherence();
+    return census;
+}
+
+Census take_census_of_surface(ooc::Context& context, MeshSource& source,
+                              std::uint64_t window_bytes) {
+    Census census = take_census(context, source, window_bytes);
+    if (census.n_triangles == 0) {
+        throw InvalidArgument(source.info().name +
+                              ": has no triangle with finite corners, so no surface to measure");
+    }
     return census;
 }
 

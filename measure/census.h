@@ -54,4 +54,9 @@ struct Census {
 /// Throws: FormatError, IoError, OutOfMemoryBudget, OutOfDiskBudget, Cancelled.
 Census take_census(ooc::Context& context, MeshSource& source, std::uint64_t window_bytes);
 
+/// take_census() of a surface that is to be measured. Throws InvalidArgument, too, if it has no
+/// triangle.
+Census take_census_of_surface(ooc::Context& context, MeshSource& source,
+                              std::uint64_t window_bytes);
+
 }  // namespace hewer::measuring

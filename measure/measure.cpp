@@ -73,7 +73,6 @@ class Measurement {
   private:
     [[nodiscard]] std::uint64_t least_window_bytes() const;
     [[nodiscard]] std::uint64_t resident_bytes(const Census& simplified) const;
-    Census census_of(MeshSource& source, std::uint64_t window_bytes);
     void index_simplified(const Census& census, double area_of_original);
     void add_backward(Direction& backward);
     void write_map(const Census& original, const Census& simplified);
@@ -126,15 +125,6 @@ std::uint64_t Measurement::resident_bytes(const Census& simplified) const {
         bytes += sizeof(float) * (n + ResidentSurface::max_points(simplified_, simplified));
     }
     return bytes;
-}
-
-Census Measurement::census_of(MeshSource& source, std::uint64_t window_bytes) {
-    Census census = take_census(context_, source, window_bytes);
-    if (census.n_triangles == 0) {
-        throw InvalidArgument(source.info().name +
-                              ": has no triangle with finite corners, so no surface to measure");
-    }
-    return census;
 }
 
 void Measurement::index_simplified(const Census& census, double area_of_original) {
@@ -232,8 +222,8 @@ MeasureReport Measurement::run() {
     const SourceInfo& from = original_.info();
     const SourceInfo& to = simplified_.info();
     context_.begin_stage("scan", from.n_faces + to.n_faces, "faces");
-    Census simplified_census =
-        census_of(simplified_, std::min(kMostWindowBytes, context_.budget().available() / 4));
+    Census simplified_census = take_census_of_surface(
+        context_, simplified_, std::min(kMostWindowBytes, context_.budget().available() / 4));
     // Refused now, with the number that would do, rather than halfway through. The reservation ends
     // with this statement; the arrays make their own.
     const std::uint64_t resident = resident_bytes(simplified_census);
@@ -241,7 +231,7 @@ MeasureReport Measurement::run() {
                                     resident + least_window_bytes());
     const std::uint64_t window_bytes =
         std::min(kMostWindowBytes, context_.budget().available() - resident);
-    const Census census = census_of(original_, window_bytes);
+    const Census census = take_census_of_surface(context_, original_, window_bytes);
     context_.end_stage();
 
     report_.bounds = census.bounds;

@@ -2,7 +2,6 @@
 #include "hewer/within.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <span>
@@ -98,13 +97,8 @@ class Proof {
 };
 
 Census Proof::census_of(MeshSource& source) {
-    Census census = take_census(context_, source,
-                                std::min(kMostWindowBytes, context_.budget().available() / 4));
-    if (census.n_triangles == 0) {
-        throw InvalidArgument(source.info().name +
-                              ": has no triangle with finite corners, so no surface to measure");
-    }
-    return census;
+    return take_census_of_surface(context_, source,
+                                  std::min(kMostWindowBytes, context_.budget().available() / 4));
 }
 
 void Proof::load(const Census& simplified) {
@@ -195,7 +189,7 @@ void Proof::decide(PieceLimits& limits, WithinReport& report) {
     bool is_near = true;
     for (int round = 0; is_near && !pending.empty(); ++round) {
         if (round == kMostRounds) return;
-        ooc::Spool<Piece> next(context_, "halved pieces of the simplified surface");
+        ooc::Spool<Piece> next(context_, "rests of pieces of the simplified surface");
         const std::uint64_t n_batch = most_waiting();
         for (std::uint64_t first = 0; first < pending.size(); first += n_batch) {
             if (limits.is_spent()) return;
