@@ -10,7 +10,6 @@ namespace hewer::measuring {
 
 namespace {
 
-constexpr std::size_t kPlaces = 10;
 constexpr std::array kShares{0.5, 0.9, 0.99, 0.999};
 
 std::vector<DistanceBin> octaves_of(const DistanceHistogram& histogram, double diagonal) {
@@ -66,10 +65,7 @@ DistanceReport Direction::report(const Lattice& lattice) const {
         report.quantiles.push_back({share, samples.histogram().quantile(share) * diagonal_ * step});
     }
     report.histogram = octaves_of(samples.histogram(), diagonal_ * step);
-    for (const WorstPlaces::Place& place : places_.worst(kPlaces)) {
-        report.worst.push_back(
-            {lattice.to_model(place.point), std::sqrt(place.squared_distance) * step});
-    }
+    report.worst = places_.report(lattice);
     return report;
 }
 

@@ -30,7 +30,6 @@ namespace {
 
 using namespace measuring;
 
-constexpr std::size_t kPlaces = 10;
 constexpr std::uint64_t kPageBytes = 64 << 10;
 // More does not make a coherent file any faster.
 constexpr std::uint64_t kMostWindowBytes = 128 << 20;
@@ -47,15 +46,6 @@ constexpr int kMostRounds = 64;
 // edges of the original, whose triangles are taken for equilateral.
 constexpr double kEdges = 1.0;
 constexpr double kTriangleArea = 0.43;  // of an edge's square
-
-std::vector<WorstPlace> places_of(const WorstPlaces& far, const Lattice& lattice) {
-    std::vector<WorstPlace> places;
-    for (const WorstPlaces::Place& p : far.worst(kPlaces)) {
-        places.push_back(
-            {lattice.to_model(p.point), std::sqrt(p.squared_distance) * lattice.step()});
-    }
-    return places;
-}
 
 class Proof {
   public:
@@ -208,8 +198,8 @@ void Proof::decide(PieceLimits& limits, WithinReport& report) {
     }
     if (limits.is_spent()) return;
     report.verdict = is_near ? WithinReport::Verdict::Proven : WithinReport::Verdict::Refuted;
-    report.forward = places_of(forward, lattice_);
-    report.backward = places_of(backward, lattice_);
+    report.forward = forward.report(lattice_);
+    report.backward = backward.report(lattice_);
 }
 
 WithinReport Proof::run() {

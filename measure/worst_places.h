@@ -11,6 +11,7 @@
 #include <mutex>
 #include <vector>
 
+#include "hewer/measure.h"
 #include "hewer/types.h"
 #include "measure/lattice.h"
 #include "ooc/array.h"
@@ -46,6 +47,8 @@ class WorstPlaces {
     }
     /// The worst `n` at most, worst first.
     [[nodiscard]] std::vector<Place> worst(std::size_t n) const;
+    /// For a report: the worst ten, in model units.
+    [[nodiscard]] std::vector<WorstPlace> report(const Lattice& lattice) const;
 
     static constexpr std::uint64_t kMostBytes = 36ULL * 36 * 36 * sizeof(Place);
 
