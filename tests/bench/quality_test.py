@@ -122,6 +122,17 @@ def grid(path, side, has_hole=False, height=0.0):
     return path
 
 
+def triangles(path, corners):
+    """Triangles that share no vertex, as ASCII PLY."""
+    path.write_text("ply\nformat ascii 1.0\n"
+                    f"element vertex {3 * len(corners)}\nproperty float x\n"
+                    f"property float y\nproperty float z\nelement face {len(corners)}\n"
+                    "property list uchar int vertex_indices\nend_header\n" +
+                    "".join("%g %g %g\n" % p for face in corners for p in face) +
+                    "".join(f"3 {i} {i + 1} {i + 2}\n" for i in range(0, 3 * len(corners), 3)))
+    return path
+
+
 class Judges(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -154,16 +165,8 @@ class Judges(unittest.TestCase):
         self.assertAlmostEqual(found["backward"]["maximum"], 4 / 9, places=5)
 
     def test_part_that_is_gone_is_told_of_or_not(self):
-        both = self.folder / "both.ply"
-        points, faces = [], []
-        for height in (0, 5):
-            faces.append([len(points) + k for k in range(3)])
-            points += [(0, 0, height), (1, 0, height), (0, 1, height)]
-        both.write_text("ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\n"
-                        "property float y\nproperty float z\nelement face 2\n"
-                        "property list uchar int vertex_indices\nend_header\n" +
-                        "".join("%g %g %g\n" % p for p in points) +
-                        "".join("3 %d %d %d\n" % tuple(f) for f in faces))
+        both = triangles(self.folder / "both.ply",
+                         [((0, 0, height), (1, 0, height), (0, 1, height)) for height in (0, 5)])
         for center, size, told in (((0, 0, 5), 0.1, 1), ((0, 0, 0), 0.1, 0), ((0, 0, 2), 7, 1)):
             report = self.folder / "report.json"
             report.write_text(json.dumps(
@@ -171,6 +174,20 @@ class Judges(unittest.TestCase):
             found = self.judge("part_check", both, grid(self.folder / "one.ply", 1), report)
             self.assertEqual((found["parts"], found["missing"], found["told"], found["untold"]),
                              (2, 1, told, 1 - told))
+
+    def test_small_part_beside_a_large_one_is_there_if_a_spare_piece_is_where_it_was(self):
+        large, small = ((0, 0, 0), (9, 0, 0), (0, 9, 0)), ((0, 0, 1), (1, 0, 1), (0, 1, 1))
+        both = triangles(self.folder / "both.ply", [large, small])
+        report = self.folder / "report.json"
+        report.write_text(json.dumps({"lods": [{"lost": {"list": []}}]}))
+        # Two corners of the piece are nearest to a corner of the large triangle.
+        for pieces, untold in (([large, ((0, 0, 0.4), (0.1, 0, 0.4), (0, 0, 0.8))], 0),
+                               ([((0, 0, 0.4), (0.1, 0, 0.4), (0, 0, 0.8))], 1),
+                               ([large, ((0, 0, 0.4), (0.1, 0, -4), (0, 0, 0.8))], 1),
+                               ([large, ((0, 0, 0.4), (0.1, 0, 0.4), (0, 0, 0.3))], 1)):
+            found = self.judge("part_check", both, triangles(self.folder / "after.ply", pieces),
+                               report)
+            self.assertEqual((found["parts"], found["untold"]), (2, untold))
 
     def test_pictures_of_the_same_surface_are_equal_and_of_another_are_not(self):
         fine = grid(self.folder / "fine.ply", 16)
