@@ -149,6 +149,7 @@ void Arguments::set(const OptionSpec& option, const std::vector<std::string>& te
     }
     if (option.type == ValueType::FocusBoxes) {
         std::vector<FocusBox> boxes;
+        boxes.reserve(texts.size());
         for (const std::string& text : texts) {
             boxes.push_back(std::get<std::vector<FocusBox>>(parse_value(option, text)).front());
         }

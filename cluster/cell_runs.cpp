@@ -133,7 +133,7 @@ std::uint64_t CellRuns::n_runs() const {
 }
 
 std::uint64_t CellRuns::buffer_bytes(std::uint64_t n_runs) const {
-    const std::uint64_t n_buffers = n_runs * (1 + extras_.count());
+    const std::uint64_t n_buffers = std::max<std::uint64_t>(1, n_runs) * (1 + extras_.count());
     return std::clamp<std::uint64_t>(context_.budget().limit() / kBufferShare / n_buffers,
                                      kLeastBufferBytes, ooc::SpoolReader<RunCell>::kBufferBytes);
 }

@@ -50,7 +50,7 @@ VertexPages::VertexPages(ooc::Context& context, const CellTable& table, MeshSour
         pages_[p].n = std::min(kPageVertices, source.info().n_vertices - (p << kPageBits));
     }
     page_bytes_ = context.budget().reserve(
-        "pages of vertices", pages_.size() * (sizeof(Page) + context.n_threads() * sizeof(Page*)));
+        "pages of vertices", pages_.size() * (sizeof(Page) + context.n_threads() * sizeof(void*)));
     points_ = {context.budget(), "a window of vertices", frames_.size() << kPageBits};
     slots_ = {context.budget(), "a window of vertices", frames_.size() << kPageBits};
 }
