@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "rsimp/copy.h"
 
-#include <bit>
 #include <cmath>
 #include <mutex>
 #include <string>
@@ -42,7 +41,7 @@ class Copier {
           batches_(context.budget().reserve("batches of a copy",
                                             context.n_threads() * kCopyBatchBytes)) {}
 
-    std::uint64_t run() {
+    ooc::ResultHash run() {
         describe_input(info_, input_);
         if (info_.is_indexed) {
             copy_indexed();
@@ -124,7 +123,7 @@ class Copier {
         source_.begin_vertices();
         while (source_.next_vertices(batch)) {
             keep_used(used, batch);
-            for (const Vec3& p : batch.positions) add_to_hash(p);
+            for (const Vec3& p : batch.positions) hash_.add(p);
             sink_.add_vertices({batch.positions, batch.normals, batch.colors});
             context_.check_stop();
         }
@@ -208,7 +207,7 @@ class Copier {
         input_.bounds = lod_.bounds = mesh.bounds();
         begin_writing();
         mesh.for_vertices([&](std::span<const Vec3> piece) {
-            for (const Vec3& p : piece) add_to_hash(p);
+            for (const Vec3& p : piece) hash_.add(p);
             sink_.add_vertices({piece, {}, {}});
         });
         streaming::TopologyCounter topology(context_, lod_.vertices,
@@ -242,23 +241,16 @@ class Copier {
     }
 
     void send(std::span<const Triangle> triangles) {
-        for (const Triangle& t : triangles) {
-            for (const std::uint64_t v : t) add_to_hash(v);
-        }
+        for (const Triangle& t : triangles) hash_.add(t);
         sink_.add_triangles(triangles);
         context_.check_stop();
     }
     void send(std::span<const std::array<Vec3, 3>> triangles) {
         for (const auto& t : triangles) {
-            for (const Vec3& p : t) add_to_hash(p);
+            for (const Vec3& p : t) hash_.add(p);
         }
         sink_.add_points(triangles);
         context_.check_stop();
-    }
-
-    void add_to_hash(std::uint64_t word) { hash_ = (hash_ ^ word) * 0x100000001b3ULL; }
-    void add_to_hash(const Vec3& p) {
-        for (const double x : p) add_to_hash(std::bit_cast<std::uint64_t>(x));
     }
 
     ooc::Context& context_;
@@ -272,14 +264,14 @@ class Copier {
     LodReport& lod_;
     ooc::Reservation batches_;
     ooc::Reservation held_;
-    std::uint64_t hash_ = 0xcbf29ce484222325ULL;
+    ooc::ResultHash hash_;
 };
 
 }  // namespace
 
-std::uint64_t copy_mesh(ooc::Context& context, MeshSource& source, MeshSink& sink,
-                        const SimplifyOptions& options, StageLog& stages, SimplifyReport& report,
-                        LodReport& lod) {
+ooc::ResultHash copy_mesh(ooc::Context& context, MeshSource& source, MeshSink& sink,
+                          const SimplifyOptions& options, StageLog& stages, SimplifyReport& report,
+                          LodReport& lod) {
     return Copier(context, source, sink, options, stages, report, lod).run();
 }
 

@@ -7,6 +7,7 @@
 #include "hewer/options.h"
 #include "hewer/report.h"
 #include "ooc/context.h"
+#include "ooc/result_hash.h"
 #include "rsimp/stage_log.h"
 
 namespace hewer::rsimp {
@@ -23,9 +24,9 @@ namespace hewer::rsimp {
 /// copy_bytes() or Weld::bytes(), the topology counter's 4 bytes a vertex, and the buffers of what
 /// Weld or stream_points() take. Throws: FormatError (nothing is left; dirt in strict mode), what
 /// source and sink throw, OutOfMemoryBudget, OutOfDiskBudget, Cancelled.
-std::uint64_t copy_mesh(ooc::Context& context, MeshSource& source, MeshSink& sink,
-                        const SimplifyOptions& options, StageLog& stages, SimplifyReport& report,
-                        LodReport& lod);
+ooc::ResultHash copy_mesh(ooc::Context& context, MeshSource& source, MeshSink& sink,
+                          const SimplifyOptions& options, StageLog& stages, SimplifyReport& report,
+                          LodReport& lod);
 
 /// Batches of input and output in flight, for each thread.
 constexpr std::uint64_t kCopyBatchBytes = 4ULL << 20;

@@ -5,8 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "ooc/triangle_foot.h"
 #include "rsimp/half_edges.h"
-#include "rsimp/triangle_foot.h"
+#include "rsimp/shows_back.h"
 
 namespace hewer::rsimp {
 

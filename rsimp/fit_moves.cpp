@@ -5,8 +5,9 @@
 #include <array>
 #include <cmath>
 
+#include "ooc/triangle_foot.h"
 #include "rsimp/damped_solve.h"
-#include "rsimp/triangle_foot.h"
+#include "rsimp/shows_back.h"
 
 namespace hewer::rsimp {
 

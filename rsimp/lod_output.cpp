@@ -2,7 +2,6 @@
 #include "rsimp/lod_output.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -204,9 +203,7 @@ void LodOutput::send_vertices(const MeshStore& mesh, const IdIndex& index, MeshS
                 }
                 piece.normals[v - first] = unit(sum);
             }
-            for (const Vec3& p : piece.positions) {
-                for (const double x : p) add_to_hash(std::bit_cast<std::uint64_t>(x));
-            }
+            for (const Vec3& p : piece.positions) hash_.add(p);
             if (!takes_points) sink.add_vertices({piece.positions, piece.normals, piece.colors});
             context_.check_stop();
         });
@@ -252,7 +249,7 @@ void LodOutput::send_window(const FacePiece& piece, MeshSink& sink) {
         triangles.clear();
         points.clear();
         for (const auto& f : part) {
-            for (const std::uint32_t v : f) add_to_hash(vertices[v]);
+            for (const std::uint32_t v : f) hash_.add(vertices[v]);
             if (piece.positions.empty()) {
                 triangles.push_back({vertices[f[0]], vertices[f[1]], vertices[f[2]]});
             } else {

@@ -12,6 +12,7 @@
 #include "hewer/report.h"
 #include "hewer/simplify.h"
 #include "ooc/context.h"
+#include "ooc/result_hash.h"
 #include "rsimp/attribute_fit.h"
 #include "rsimp/face_normals.h"
 #include "rsimp/face_window.h"
@@ -56,8 +57,8 @@ class LodOutput {
     /// between them.
     [[nodiscard]] LodParents parents(std::span<const std::pair<VertexId, VertexId>> merges) const;
 
-    /// FNV-1a over all that was written, in 64-bit words: the same whatever the sink takes.
-    [[nodiscard]] std::uint64_t hash() const { return hash_; }
+    /// Over all that was written: the same whatever the sink takes.
+    [[nodiscard]] const ooc::ResultHash& hash() const { return hash_; }
 
   private:
     struct VertexPiece;
@@ -71,7 +72,6 @@ class LodOutput {
                                        std::uint64_t window, bool with_points) const;
     void send_faces(const MeshStore& mesh, const IdIndex& index, MeshSink& sink, LodReport& report);
     void send_window(const FacePiece& piece, MeshSink& sink);
-    void add_to_hash(std::uint64_t word) { hash_ = (hash_ ^ word) * 0x100000001b3ULL; }
 
     ooc::Context& context_;
     Format format_;
@@ -79,7 +79,7 @@ class LodOutput {
     std::uint64_t window_faces_;
     ooc::Spool<VertexId> before_;  // ids of the LOD before the last one
     ooc::Spool<VertexId> last_;
-    std::uint64_t hash_ = 0xcbf29ce484222325ULL;
+    ooc::ResultHash hash_;
 };
 
 }  // namespace hewer::rsimp

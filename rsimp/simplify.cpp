@@ -3,10 +3,8 @@
 #include "hewer/simplify.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -76,12 +74,6 @@ void compare_to_input(ooc::Context& context, const SourceInfo& info, const Topol
         n);
 }
 
-std::string hex(std::uint64_t value) {
-    std::array<char, 17> text{};
-    std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(value));
-    return text.data();
-}
-
 void finish_lod(MeshSink& sink, LodReport& lod, StageLog& stages, SimplifyReport& report) {
     sink.finish();
     lod.quantization = sink.displacement();
@@ -125,7 +117,7 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const Simp
         input_topology = streaming::count_topology(context, source);
         ++report.input.triangle_passes;
     }
-    const auto finish_report = [&](std::uint64_t hash) {
+    const auto finish_report = [&](const ooc::ResultHash& hash) {
         report.stages = stages.stages();
         report.warnings = context.warnings();
         report.bytes_read = source.bytes_read();
@@ -134,7 +126,7 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const Simp
         report.temp_bytes_written = context.spill().bytes_written();
         report.temp_bytes_read = context.spill().bytes_read();
         report.peak_resident_bytes = ooc::peak_resident_bytes();
-        report.result_hash = hex(hash);
+        report.result_hash = hash.hex();
         report.input.opening_seconds = source.opening_seconds();
         report.seconds =
             source.opening_seconds() +
@@ -144,7 +136,8 @@ SimplifyReport simplify(MeshSource& source, const SinkFactory& sinks, const Simp
         LodReport lod;
         lod.target = {Target::Kind::Ratio, 1};
         const std::unique_ptr<MeshSink> sink = sinks(0);
-        const std::uint64_t hash = copy_mesh(context, source, *sink, options, stages, report, lod);
+        const ooc::ResultHash hash =
+            copy_mesh(context, source, *sink, options, stages, report, lod);
         lod.target_triangles = lod.triangles;
         finish_lod(*sink, lod, stages, report);
         report.input.topology = input_topology;

@@ -33,7 +33,7 @@ LodOutput::Format format_of(const Mesh& mesh) {
 struct Written {
     Mesh mesh;
     LodReport report;
-    std::uint64_t hash = 0;
+    std::string hash;
 };
 
 Written write(ooc::Context& context, const Mesh& mesh, const std::vector<VertexId>& ids,
@@ -44,7 +44,7 @@ Written write(ooc::Context& context, const Mesh& mesh, const std::vector<VertexI
     const auto sink = collect_mesh(written.mesh);
     output.write(store, *sink, written.report);
     sink->finish();
-    written.hash = output.hash();
+    written.hash = output.hash().hex();
     return written;
 }
 
@@ -172,7 +172,7 @@ TEST(LodOutput, EveryFormatHoldsTheMesh) {
     const std::vector<VertexId> ids = test::random_ids(mesh.positions.size(), 11);
     const Mesh expected = test::sorted_by_id(mesh, ids);
     const MeshStore store = test::store_mesh(*context, mesh, ids);
-    std::vector<std::uint64_t> hashes;
+    std::vector<std::string> hashes;
     for (const std::string extension : {"ply", "obj", "glb", "stl"}) {
         const std::filesystem::path path = folder.path() / ("out." + extension);
         LodOutput output(*context, format_of(mesh), false, 50);
@@ -180,7 +180,7 @@ TEST(LodOutput, EveryFormatHoldsTheMesh) {
         const auto sink = create_mesh_file(path);
         output.write(store, *sink, report);
         sink->finish();
-        hashes.push_back(output.hash());
+        hashes.push_back(output.hash().hex());
         EXPECT_EQ(hashes.back(), hashes.front()) << extension;
         const tests::ParsedMesh parsed = extension == "ply"   ? tests::parse_ply(path)
                                          : extension == "obj" ? tests::parse_obj(path)

@@ -3,11 +3,10 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 
 #include "ooc/vec3.h"
 
-namespace hewer::rsimp {
+namespace hewer {
 
 struct TriangleFoot {
     std::array<double, 3> weights;  ///< barycentric
@@ -24,11 +23,4 @@ inline double squared_distance(const Vec3& p, const Vec3& a, const Vec3& b, cons
     return dot(way, way);
 }
 
-/// Whether a face with this normal, of any length, shows its back to a point of a surface with the
-/// unit normal `front`: they belong to different sheets. Noise turns normals far, but hardly over.
-inline bool shows_back(const Vec3& normal, const Vec3& front) {
-    constexpr double kLeastCosine = -0.2;
-    return dot(normal, front) < kLeastCosine * std::sqrt(dot(normal, normal));
-}
-
-}  // namespace hewer::rsimp
+}  // namespace hewer

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "rsimp/triangle_foot.h"
+#include "ooc/triangle_foot.h"
 
 #include <algorithm>
 #include <cstddef>
 
-namespace hewer::rsimp {
+namespace hewer {
 
 TriangleFoot foot_of(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
     const Vec3 ab = b - a;
@@ -42,4 +42,4 @@ TriangleFoot foot_of(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c)
     return best;
 }
 
-}  // namespace hewer::rsimp
+}  // namespace hewer
