@@ -44,7 +44,7 @@ Direction::Direction(ooc::Context& context, const Bounds& box, double diagonal)
       parts_(context.n_threads(), Part(diagonal)),
       places_(context, box) {}
 
-DistanceReport Direction::report(const Lattice& lattice) const {
+DistanceReport Direction::report(const Lattice& lattice, std::size_t n_places) const {
     DistanceTally vertices(diagonal_);
     DistanceTally samples(diagonal_);
     for (const Part& part : parts_) {
@@ -65,7 +65,7 @@ DistanceReport Direction::report(const Lattice& lattice) const {
         report.quantiles.push_back({share, samples.histogram().quantile(share) * diagonal_ * step});
     }
     report.histogram = octaves_of(samples.histogram(), diagonal_ * step);
-    report.worst = places_.report(lattice);
+    report.worst = places_.report(lattice, n_places);
     return report;
 }
 

@@ -29,7 +29,7 @@ class Direction {
         parts_[worker].samples.add(q, squared_distance);
         places_.add(q, squared_distance);
     }
-    [[nodiscard]] DistanceReport report(const Lattice& lattice) const;
+    [[nodiscard]] DistanceReport report(const Lattice& lattice, std::size_t n_places) const;
 
     static std::uint64_t bytes(unsigned n_threads) {
         return n_threads * sizeof(Part) + WorstPlaces::kMostBytes;

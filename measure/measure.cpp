@@ -261,8 +261,8 @@ MeasureReport Measurement::run() {
     add_backward(backward);
     context_.end_stage();
 
-    report_.forward = forward.report(lattice_);
-    report_.backward = backward.report(lattice_);
+    report_.forward = forward.report(lattice_, options_.most_places);
+    report_.backward = backward.report(lattice_, options_.most_places);
     if (map_ != nullptr) write_map(census, simplified_census);
     report_.seconds = context_.elapsed_seconds();
     report_.temp_bytes_written = context_.spill().bytes_written();

@@ -54,6 +54,7 @@ class Proof {
         : original_(original),
           simplified_(simplified),
           distance_(distance),
+          most_places_(options.most_places),
           context_({.memory_bytes = options.memory_bytes,
                     .n_threads = options.n_threads,
                     .temp_dir = options.temp_dir,
@@ -76,6 +77,7 @@ class Proof {
     MeshSource& original_;
     MeshSource& simplified_;
     double distance_;
+    unsigned most_places_;
     ooc::Context context_;
     ooc::HeldInput held_original_{context_.hold(original_)};
     ooc::HeldInput held_simplified_{context_.hold(simplified_)};
@@ -177,8 +179,8 @@ void Proof::decide(PieceLimits& limits, WithinReport& report) {
     ooc::Spool<Piece> pending = first_pieces(limits);
     std::vector<PieceSearch> searches(context_.n_threads(), {index_, limits, forward});
     bool is_near = true;
-    for (int round = 0; is_near && !pending.empty(); ++round) {
-        if (round == kMostRounds) return;
+    // To the end, though a place is far already: the others are wanted, too.
+    for (int round = 0; round < kMostRounds && !pending.empty() && !limits.is_spent(); ++round) {
         ooc::Spool<Piece> next(context_, "rests of pieces of the simplified surface");
         const std::uint64_t n_batch = most_waiting();
         for (std::uint64_t first = 0; first < pending.size(); first += n_batch) {
@@ -196,10 +198,10 @@ void Proof::decide(PieceLimits& limits, WithinReport& report) {
                                           [](const PieceSearch& s) { return s.has_failed(); });
         pending = std::move(next);
     }
-    if (limits.is_spent()) return;
+    if (limits.is_spent() || (is_near && !pending.empty())) return;
     report.verdict = is_near ? WithinReport::Verdict::Proven : WithinReport::Verdict::Refuted;
-    report.forward = forward.report(lattice_);
-    report.backward = backward.report(lattice_);
+    report.forward = forward.report(lattice_, most_places_);
+    report.backward = backward.report(lattice_, most_places_);
 }
 
 WithinReport Proof::run() {

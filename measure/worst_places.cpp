@@ -57,10 +57,9 @@ std::vector<WorstPlaces::Place> WorstPlaces::worst(std::size_t n) const {
     return found;
 }
 
-std::vector<WorstPlace> WorstPlaces::report(const Lattice& lattice) const {
-    constexpr std::size_t kReported = 10;
+std::vector<WorstPlace> WorstPlaces::report(const Lattice& lattice, std::size_t n) const {
     std::vector<WorstPlace> places;
-    for (const Place& p : worst(kReported)) {
+    for (const Place& p : worst(n)) {
         places.push_back(
             {lattice.to_model(p.point), std::sqrt(p.squared_distance) * lattice.step()});
     }

@@ -47,8 +47,8 @@ class WorstPlaces {
     }
     /// The worst `n` at most, worst first.
     [[nodiscard]] std::vector<Place> worst(std::size_t n) const;
-    /// For a report: the worst ten, in model units.
-    [[nodiscard]] std::vector<WorstPlace> report(const Lattice& lattice) const;
+    /// The same for a report: in model units.
+    [[nodiscard]] std::vector<WorstPlace> report(const Lattice& lattice, std::size_t n) const;
 
     static constexpr std::uint64_t kMostBytes = 36ULL * 36 * 36 * sizeof(Place);
 

@@ -2,7 +2,9 @@
 /// Arithmetic on Vec3. In the namespace of Vec3's users, so that no using-declaration is needed.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 
 #include "hewer/types.h"
 
@@ -29,6 +31,16 @@ inline Vec3 operator-(const Vec3& a, const Vec3& b) {
 }
 inline Vec3 operator*(double s, const Vec3& a) {
     return {s * a[0], s * a[1], s * a[2]};
+}
+
+/// From the box to a point; 0 inside.
+inline double squared_distance(const Bounds& box, const Vec3& p) {
+    double squared = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double gap = std::max({box.min[k] - p[k], p[k] - box.max[k], 0.0});
+        squared += gap * gap;
+    }
+    return squared;
 }
 
 }  // namespace hewer

@@ -29,6 +29,7 @@ struct MeasureOptions {
     /// default_samples() of its triangles.
     std::uint64_t n_samples = 0;
     std::uint64_t seed = 1;
+    unsigned most_places = 10;  ///< in DistanceReport::worst
     /// A mesh file to write (see MeshSink), its vertices coloured by distance; empty: none.
     std::filesystem::path map{};
     MapOf map_of = MapOf::Simplified;
@@ -83,8 +84,8 @@ struct DistanceReport {
     /// Of the samples, by doublings of 2^-40 of the diagonal; from the first bin that is not empty
     /// to the last.
     std::vector<DistanceBin> histogram;
-    /// The ten worst points, worst first, no two within 5 % of the diagonal; fewer if the surfaces
-    /// are small or alike.
+    /// The MeasureOptions::most_places worst points, worst first, no two within 5 % of the
+    /// diagonal; fewer if the surfaces are small or alike.
     std::vector<WorstPlace> worst;
 };
 

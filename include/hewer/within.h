@@ -21,8 +21,9 @@ struct WithinReport {
         Undecided,
     };
     Verdict verdict = Verdict::Undecided;
-    /// Refuted: the worst places found, worst first, ten a direction, no two within 5 % of the
-    /// diagonal; of the original and of the simplified surface. Their distances are least ones.
+    /// Refuted: the worst places found, worst first, MeasureOptions::most_places a direction, no
+    /// two within 5 % of the diagonal; of the original and of the simplified surface. Their
+    /// distances are least ones.
     std::vector<WorstPlace> forward;
     std::vector<WorstPlace> backward;
     std::uint64_t n_pieces = 0;  ///< looked at, of both surfaces
@@ -43,8 +44,8 @@ struct WithinReport {
 /// triangle of the simplified surface, 124 for each piece of a batch, which is as large as the
 /// limit allows, and a window over the original's vertices. Disk: 36 bytes a piece, where memory is
 /// short. The same verdict, places and number of pieces for any threads and memory limit. Of
-/// `options`, memory, threads and temporary space are used. Throws: as measure(); InvalidArgument
-/// if `distance` is not above 0.
+/// `options`, places, memory, threads and temporary space are used. Throws: as measure();
+/// InvalidArgument if `distance` is not above 0.
 WithinReport prove_within(MeshSource& original, MeshSource& simplified, double distance,
                           const MeasureOptions& options = {}, const Hooks& hooks = {});
 
