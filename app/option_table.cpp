@@ -93,7 +93,8 @@ OptionSpec{"ratio", "--ratio", "R", T::Ratio, kTargets, "of the input's triangle
     "At most this share of the input's triangles: 5% or 0.05."},
 OptionSpec{"error", "--error", "E", T::Error, kSimplify, "model units, or % of the diagonal", "", 0, 0, "", kTarget, false,
     "Smallest result that is within this distance of the input, either way, proven for all points: 0.5 "
-    "in model units, or 0.01% of the bounding box's diagonal. Some ten to forty runs."},
+    "in model units, or 0.01% of the bounding box's diagonal. Up to fourteen runs, mostly five, and repairs "
+    "of what is too far then."},
 OptionSpec{"displacement", "--displacement", "E", T::Error, kTargets, "model units, or % of the diagonal", "", 0, 0, "", kTarget, false,
     "No original vertex moves farther: proven from the clusters, in one run."},
 OptionSpec{"lods", "--lods", "LIST", T::Lods, kTargets, "triangles, or ratios", "", 0, 0, "", kTarget, false,

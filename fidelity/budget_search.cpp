@@ -15,6 +15,9 @@ constexpr double kMostStep = 16;
 constexpr double kNarrow = 1.04;
 // Interpolation stays so far inside the bracket.
 constexpr double kMargin = 0.15;
+// Of the bound: a good result that is this far was repaired, or lucky, and its distance tells
+// nothing of the budget that is needed. The middle is tried.
+constexpr double kTight = 0.9;
 
 }  // namespace
 
@@ -51,8 +54,10 @@ std::optional<std::uint64_t> BudgetSearch::next() const {
     const double ratio = static_cast<double>(good->first) / static_cast<double>(bad->first);
     if (ratio <= kNarrow || good->first - bad->first < 2 || good->first <= least_) return {};
     const double fall = std::log(bad->second / std::max(good->second, 1e-3 * bound_));
-    const double place =
-        std::clamp(std::log(bad->second / bound_) / std::max(fall, 1e-9), kMargin, 1 - kMargin);
+    const double place = good->second > kTight * bound_
+                             ? 0.5
+                             : std::clamp(std::log(bad->second / bound_) / std::max(fall, 1e-9),
+                                          kMargin, 1 - kMargin);
     const auto between =
         static_cast<std::uint64_t>(static_cast<double>(bad->first) * std::pow(ratio, place));
     return std::clamp(between, std::max(least_, bad->first + 1), good->first - 1);

@@ -11,8 +11,8 @@ namespace hewer::fidelity {
 
 /// Distances fall with the budget, about as its inverse, but not smoothly: the maximum belongs to
 /// one place, and that place may be hit or missed. Brackets the bound by steps of a factor, then
-/// interpolates in logarithms. What is found is good; that no smaller budget would be is only
-/// likely.
+/// interpolates in logarithms, or halves where a good result is barely so. What is found is good;
+/// that no smaller budget would be is only likely.
 class BudgetSearch {
   public:
     static constexpr unsigned kMostTries = 14;

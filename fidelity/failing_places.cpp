@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "fidelity/failing_places.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <span>
 
 namespace hewer::fidelity {
 
@@ -15,6 +17,8 @@ constexpr double kAboutToFail = 0.9;
 // takes so much of the budget that more fails elsewhere; so does ten times the weight.
 constexpr double kSize = 0.5;
 constexpr double kWeight = 3;
+// A side.
+constexpr std::size_t kMostBoxes = 10;
 
 bool is_near(const DistanceReport& side, double distance) {
     return side.quantiles.empty() || side.quantiles.back().distance <= distance;
@@ -30,7 +34,8 @@ bool fails_in_places(const MeasureReport& measured, double bound) {
 void focus_on_failures(const MeasureReport& measured, double bound, double spacing,
                        std::vector<FocusBox>& focus) {
     for (const DistanceReport* side : {&measured.forward, &measured.backward}) {
-        for (const WorstPlace& place : side->worst) {
+        const std::size_t n = std::min(side->worst.size(), kMostBoxes);
+        for (const WorstPlace& place : std::span(side->worst).first(n)) {
             if (place.distance < kAboutToFail * bound) break;
             // A place of the simplified surface is that far from the original.
             const double half = kSize * spacing + place.distance;

@@ -13,6 +13,10 @@ class KeptMesh::Sink final : public MeshSink {
     void begin(const SinkHeader& header) override {
         kept_.header_ = header;
         collector_->begin(header);
+        // Repairs add up to 3 % and what one round has. Growing would double what is held.
+        const auto with_room = [](std::uint64_t n) { return n + n / 25 + 1024; };
+        kept_.mesh_.positions.reserve(with_room(header.n_vertices));
+        kept_.mesh_.triangles.reserve(with_room(header.n_triangles));
     }
     void add_vertices(const VertexSpan& vertices) override { collector_->add_vertices(vertices); }
     void add_triangles(std::span<const Triangle> triangles) override {
@@ -28,6 +32,15 @@ class KeptMesh::Sink final : public MeshSink {
 
 std::unique_ptr<MeshSink> KeptMesh::sink() {
     return std::make_unique<Sink>(*this);
+}
+
+PullReport KeptMesh::pull(std::span<const Pull> pulls) {
+    const PullReport report = pull_to_points(mesh_, pulls);
+    header_.n_vertices = mesh_.positions.size();
+    header_.n_triangles = mesh_.triangles.size();
+    header_.bounds = {};
+    for (const Vec3& p : mesh_.positions) header_.bounds.extend(p);
+    return report;
 }
 
 void KeptMesh::write(MeshSink& sink) const {

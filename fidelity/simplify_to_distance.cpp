@@ -9,14 +9,16 @@
 
 #include "fidelity/budget_search.h"
 #include "fidelity/failing_places.h"
+#include "fidelity/judge.h"
 #include "fidelity/kept_mesh.h"
+#include "fidelity/repair.h"
 #include "hewer/certify.h"
 #include "hewer/error.h"
 #include "hewer/measure.h"
 #include "hewer/simplify.h"
 #include "hewer/topology_limit.h"
-#include "hewer/within.h"
 #include "ooc/memory_budget.h"
+#include "ooc/result_hash.h"
 
 namespace hewer {
 
@@ -34,25 +36,14 @@ constexpr double kSafety = 0.995;
 // Places that are farther than this part of the bound get more of the budget.
 constexpr double kFar = 0.7;
 constexpr unsigned kFeedbackRounds = 3;
-// Runs with one budget, each with more weight on the places at which those before fail, and all
-// runs after which none is repeated.
-constexpr unsigned kRunsPerBudget = 8;
-constexpr std::size_t kMostRuns = 32;
-// Points on each surface for a first look at a try: what is far at one of them needs no proof.
-constexpr std::uint64_t kFirstLook = 100'000;
-// Where a proof is out of reach, a try that is near enough is measured again, at so many times the
-// points that it is measured at in the end.
-constexpr std::uint64_t kCloser = 3;
-constexpr std::uint64_t kOtherSeed = 2;
 // Of the square of its edge: the area of an equilateral triangle.
 constexpr double kTriangleArea = 0.43;
 
-double larger(const MeasureReport& r) {
-    return std::max(r.forward.maximum, r.backward.maximum);
-}
-
-const MeasureReport& measured(const SimplifyReport& report) {
-    return *report.lods.front().measured;
+std::string hash_of(const Mesh& mesh) {
+    ooc::ResultHash hash;
+    for (const Vec3& p : mesh.positions) hash.add(p);
+    for (const Triangle& t : mesh.triangles) hash.add(t);
+    return hash.hex();
 }
 
 /// Progress of a run whose end nobody knows: each try takes a quarter of what is left.
@@ -93,6 +84,7 @@ class SearchProgress {
 
 struct Try {
     std::uint64_t budget = 0;
+    bool is_repaired = false;
     KeptMesh mesh;
     SimplifyReport report;
 };
@@ -120,9 +112,9 @@ class Search {
         unsigned n_refused = 0;
         while (const auto budget = search_.next()) {
             try {
-                std::unique_ptr<Try> one = nearest_of(*budget);
-                const double distance = larger(measured(one->report));
-                search_.add(*budget, distance);
+                std::unique_ptr<Try> one = try_budget(*budget);
+                search_.add(*budget,
+                            fidelity::largest_distance(*one->report.lods.front().measured));
                 if (search_.best() == one->budget) best_ = std::move(one);
             } catch (const TopologyLimit& limit) {
                 // The topology is to stay: what can be met begins higher up.
@@ -135,6 +127,9 @@ class Search {
         best_->report.lods.front().measured =
             measure(*source_, *best_->mesh.source("result"), measuring(), progress_.hooks(1, 1));
         best_->report.search = steps_;
+        // Of the file, whose rounding the safety is for.
+        best_->report.lods.front().proven_within /= kSafety;
+        if (best_->is_repaired) best_->report.result_hash = hash_of(best_->mesh.mesh());
         best_->report.seconds = source_->opening_seconds() + progress_.elapsed();
         return std::move(best_);
     }
@@ -149,35 +144,32 @@ class Search {
         }
     }
 
-    /// The nearest of some runs with this budget. Most of a surface is far nearer than its farthest
-    /// places, in which one run fails and another does not: these get more weight, from now on.
-    std::unique_ptr<Try> nearest_of(std::uint64_t budget) {
-        std::unique_ptr<Try> nearest;
-        for (unsigned i = 0; i < kRunsPerBudget; ++i) {
-            std::unique_ptr<Try> one = make(budget, nearest ? budget : 0);
-            const MeasureReport& m = measured(one->report);
-            const double distance = larger(m);
-            steps_.push_back({one->report.lods.front().triangles, distance});
-            const bool is_over = distance <= bound_ || !fidelity::fails_in_places(m, bound_) ||
-                                 steps_.size() >= kMostRuns || budget >= source_->info().n_faces;
-            if (!is_over) {
-                const double area = one->report.input.area / static_cast<double>(budget);
-                fidelity::focus_on_failures(m, bound_, std::sqrt(area / kTriangleArea),
-                                            options_.focus);
-            }
-            if (!nearest || distance < larger(measured(nearest->report))) nearest = std::move(one);
-            if (is_over) break;
+    /// A run with this budget, and repairs. Places that fail all the same get more of the budgets
+    /// to come.
+    std::unique_ptr<Try> try_budget(std::uint64_t budget) {
+        std::unique_ptr<Try> one = run_with(budget);
+        LodReport& lod = one->report.lods.front();
+        const auto note = [&](const LodReport& now) {
+            steps_.push_back({now.triangles, fidelity::largest_distance(*now.measured)});
+        };
+        note(lod);
+        one->is_repaired =
+            fidelity::repair(judge(), bound_, one->mesh, lod, progress_.hooks(0.8, 1), note);
+        if (fidelity::largest_distance(*lod.measured) > bound_ &&
+            fidelity::fails_in_places(*lod.measured, bound_)) {
+            const double area = one->report.input.area / static_cast<double>(budget);
+            fidelity::focus_on_failures(*lod.measured, bound_, std::sqrt(area / kTriangleArea),
+                                        options_.focus);
         }
-        return nearest;
+        return one;
     }
 
-    /// Beside the best result, `n_kept` triangles of others are in memory.
-    std::unique_ptr<Try> make(std::uint64_t budget, std::uint64_t n_kept) {
+    std::unique_ptr<Try> run_with(std::uint64_t budget) {
         progress_.begin_try();
         auto one = std::make_unique<Try>();
         one->budget = budget;
         const std::uint64_t kept =
-            KeptMesh::kBytesPerTriangle * (budget + n_kept + (best_ ? best_->budget : 0));
+            KeptMesh::kBytesPerTriangle * (budget + (best_ ? best_->budget : 0));
         options_.memory_bytes = limit_ - std::min(limit_ - 1, kept);
         SimplifyOptions options = options_;
         if (budget < source_->info().n_faces) {
@@ -193,47 +185,17 @@ class Search {
             *source_, [&](std::size_t) { return one->mesh.sink(); }, options,
             progress_.hooks(0, 0.6));
         const std::unique_ptr<MeshSource> level = one->mesh.source("try");
-        MeasureOptions how = measuring();
-        how.n_samples = kFirstLook;
         MeasureReport& found = one->report.lods.front().measured.emplace(
-            measure(*source_, *level, how, progress_.hooks(0.6, 0.8)));
+            judge().look(*level, progress_.hooks(0.6, 0.8)));
         if (bound_ == 0) set_bound(target_.value * found.bounds.diagonal());
-        if (larger(found) <= bound_) prove(*level, one->report.lods.front());
+        if (fidelity::largest_distance(found) <= bound_ &&
+            judge().prove(*level, bound_, found, progress_.hooks(0.8, 1))) {
+            one->report.lods.front().proven_within = bound_;
+        }
         return one;
     }
 
-    /// Of a try that is near enough at the points of the first look.
-    void prove(MeshSource& level, LodReport& lod) {
-        const WithinReport proof =
-            prove_within(*source_, level, bound_, measuring(), progress_.hooks(0.8, 1));
-        MeasureReport& found = *lod.measured;
-        switch (proof.verdict) {
-            case WithinReport::Verdict::Proven:
-                lod.proven_within = bound_ / kSafety;  // of the file
-                break;
-            case WithinReport::Verdict::Refuted:
-                add_places(proof.forward, found.forward);
-                add_places(proof.backward, found.backward);
-                break;
-            case WithinReport::Verdict::Undecided:
-                found = measure_closely(level);
-                break;
-        }
-    }
-    void add_places(const std::vector<WorstPlace>& far, DistanceReport& side) const {
-        if (far.empty()) return;
-        // A place may be nearer by what the proof cannot tell: it is too far all the same.
-        side.maximum = std::max(std::nextafter(bound_, 2 * bound_), far.front().distance);
-        side.worst.insert(side.worst.begin(), far.begin(), far.end());
-    }
-    /// Of several tries the best is the one whose samples have missed most.
-    MeasureReport measure_closely(MeshSource& level) {
-        MeasureOptions how = measuring();
-        how.n_samples =
-            kCloser * default_samples(std::max(source_->info().n_faces, level.info().n_faces));
-        how.seed = kOtherSeed;
-        return measure(*source_, level, how, progress_.hooks(0.8, 1));
-    }
+    [[nodiscard]] fidelity::Judge judge() { return {*source_, measuring()}; }
     [[nodiscard]] MeasureOptions measuring() const {
         MeasureOptions how;
         how.memory_bytes = options_.memory_bytes;

@@ -129,10 +129,12 @@ struct FoldedFaces {
     std::vector<FoldedFace> list;  ///< the largest, by size, then place
 };
 
-/// A budget that simplify_to_distance() tried.
+/// A budget that simplify_to_distance() tried, or what a round of repairs made of its result.
 struct SearchStep {
     std::uint64_t triangles = 0;
-    double distance = 0;  ///< measured, the larger of both directions, model units
+    /// The larger of both directions, model units: measured, or after a round that did not do at
+    /// least what the proof says of the worst place.
+    double distance = 0;
 };
 
 struct LodReport {

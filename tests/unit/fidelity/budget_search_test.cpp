@@ -58,6 +58,15 @@ TEST(BudgetSearch, FindsTheSmallestGoodBudgetOfASmoothFall) {
     }
 }
 
+TEST(BudgetSearch, GoodResultsThatAreBarelySoDoNotMakeItCreep) {
+    // Repaired results are just within the bound, whatever the budget.
+    const Distance distance = [](std::uint64_t n) { return n < 83'000 ? 1.1 : 0.97; };
+    const Found found = search(distance, 1, 4, 80'000, 300'000);
+    ASSERT_TRUE(found.budget);
+    EXPECT_LE(static_cast<double>(*found.budget), 83'000 * 1.05);
+    EXPECT_LE(found.tries.size(), 6U);
+}
+
 TEST(BudgetSearch, EndsOnAGoodBudgetWhateverTheNoise) {
     for (std::uint64_t seed = 0; seed < 200; ++seed) {
         const Distance distance = [&](std::uint64_t n) {
