@@ -103,7 +103,8 @@ TEST(PullToPoints, OneOfTwoPullsAtAFaceIsLeftForTheNextRound) {
 TEST(PullToPoints, NewVerticesHaveTheAttributesOfTheirPlace) {
     Mesh mesh = test::with_radial_normals(test::with_colors(test::cube_sphere(5)));
     Vec3 to{};
-    for (const std::uint64_t v : mesh.triangles[7]) {
+    const Triangle corners = mesh.triangles[7];
+    for (const std::uint64_t v : corners) {
         for (std::size_t k = 0; k < 3; ++k) to[k] += mesh.positions[v][k] / 3;
     }
     for (double& x : to) x *= 1.05;
@@ -124,7 +125,7 @@ TEST(PullToPoints, NewVerticesHaveTheAttributesOfTheirPlace) {
     for (std::size_t k = 0; k < 3; ++k) {
         std::uint16_t low = 65535;
         std::uint16_t high = 0;
-        for (const std::uint64_t v : test::cube_sphere(5).triangles[7]) {
+        for (const std::uint64_t v : corners) {
             low = std::min(low, mesh.colors[v][k]);
             high = std::max(high, mesh.colors[v][k]);
         }
