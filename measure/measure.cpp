@@ -14,6 +14,7 @@
 #include "measure/direction.h"
 #include "measure/distance_map.h"
 #include "measure/lattice.h"
+#include "measure/limits.h"
 #include "measure/original_pass.h"
 #include "measure/points.h"
 #include "measure/query_points.h"
@@ -33,10 +34,6 @@ using namespace measuring;
 
 constexpr std::uint64_t kLeastSamples = 500'000;
 constexpr std::uint64_t kMostSamples = 10'000'000;
-// More does not make a coherent file any faster.
-constexpr std::uint64_t kMostWindowBytes = 128 << 20;
-// Of spools. Not by the limit, or what a refusal names would not do.
-constexpr std::uint64_t kPageBytes = 64 << 10;
 // Raw and decoded blocks of vertices and triangles, and their points.
 constexpr std::uint64_t kBatchBytes = 2 << 20;
 
@@ -51,12 +48,7 @@ class Measurement {
         : original_(original),
           simplified_(simplified),
           options_(options),
-          context_({.memory_bytes = options.memory_bytes,
-                    .n_threads = options.n_threads,
-                    .temp_dir = options.temp_dir,
-                    .max_temp_bytes = options.max_temp_bytes,
-                    .page_bytes = kPageBytes},
-                   hooks,
+          context_(limits_of(options), hooks,
                    {{"scan", 2},
                     {"load", 1},
                     {"index", 1},

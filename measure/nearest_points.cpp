@@ -9,6 +9,7 @@
 
 #include "measure/census.h"
 #include "measure/lattice.h"
+#include "measure/limits.h"
 #include "measure/points.h"
 #include "ooc/context.h"
 #include "ooc/triangle_foot.h"
@@ -21,9 +22,6 @@ namespace {
 
 using namespace measuring;
 
-constexpr std::uint64_t kPageBytes = 64 << 10;
-// More does not make a coherent file any faster.
-constexpr std::uint64_t kMostWindowBytes = 128 << 20;
 // Triangles that are looked at together: few enough to be near each other.
 constexpr std::size_t kGroup = 64;
 
@@ -82,12 +80,7 @@ std::vector<std::optional<Vec3>> nearest_points(MeshSource& surface, std::span<c
                                                 const Hooks& hooks) {
     std::vector<std::optional<Vec3>> found(points.size());
     if (points.empty()) return found;
-    ooc::Context context({.memory_bytes = options.memory_bytes,
-                          .n_threads = options.n_threads,
-                          .temp_dir = options.temp_dir,
-                          .max_temp_bytes = options.max_temp_bytes,
-                          .page_bytes = kPageBytes},
-                         hooks, {{"scan", 1}, {"nearest", 2}});
+    ooc::Context context(limits_of(options), hooks, {{"scan", 1}, {"nearest", 2}});
     const ooc::HeldInput held = context.hold(surface);
     const std::uint64_t window_bytes = std::min(kMostWindowBytes, context.budget().available() / 4);
     context.begin_stage("scan", surface.info().n_faces, "faces");

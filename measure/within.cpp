@@ -11,6 +11,7 @@
 #include "hewer/error.h"
 #include "measure/census.h"
 #include "measure/lattice.h"
+#include "measure/limits.h"
 #include "measure/piece.h"
 #include "measure/piece_limits.h"
 #include "measure/piece_search.h"
@@ -30,9 +31,6 @@ namespace {
 
 using namespace measuring;
 
-constexpr std::uint64_t kPageBytes = 64 << 10;
-// More does not make a coherent file any faster.
-constexpr std::uint64_t kMostWindowBytes = 128 << 20;
 // Raw and decoded blocks of vertices and triangles, for each worker.
 constexpr std::uint64_t kBatchBytes = 2 << 20;
 // Of a batch of waiting pieces: with fewer, most of the time goes into reading the original.
@@ -55,12 +53,7 @@ class Proof {
           simplified_(simplified),
           distance_(distance),
           most_places_(options.most_places),
-          context_({.memory_bytes = options.memory_bytes,
-                    .n_threads = options.n_threads,
-                    .temp_dir = options.temp_dir,
-                    .max_temp_bytes = options.max_temp_bytes,
-                    .page_bytes = kPageBytes},
-                   hooks, {{"scan", 2}, {"load", 1}, {"prove", 10}}) {}
+          context_(limits_of(options), hooks, {{"scan", 2}, {"load", 1}, {"prove", 10}}) {}
 
     WithinReport run();
 
