@@ -18,6 +18,14 @@ constexpr std::uint64_t kCloser = 3;
 constexpr std::uint64_t kOtherSeed = 2;
 // Of each surface.
 constexpr unsigned kMostPlaces = 200;
+// In a proof, how far from each other: one does for what is nearer.
+constexpr double kBoundsApart = 2;
+
+/// Of the options of a proof.
+MeasureOptions with_places(MeasureOptions how, double bound, double diagonal) {
+    how.places_apart = kBoundsApart * bound / diagonal;
+    return how;
+}
 
 void add_places(const std::vector<WorstPlace>& far, double bound, DistanceReport& side) {
     // A place may be nearer by what the proof cannot tell: it is too far all the same.
@@ -49,7 +57,8 @@ MeasureReport Judge::look(MeshSource& level, const Hooks& hooks) const {
 }
 
 bool Judge::prove(MeshSource& level, double bound, MeasureReport& found, const Hooks& hooks) const {
-    const WithinReport proof = prove_within(*original_, level, bound, how_, hooks);
+    const WithinReport proof = prove_within(
+        *original_, level, bound, with_places(how_, bound, found.bounds.diagonal()), hooks);
     switch (proof.verdict) {
         case WithinReport::Verdict::Proven:
             return true;
@@ -68,6 +77,16 @@ bool Judge::prove(MeshSource& level, double bound, MeasureReport& found, const H
         }
     }
     return false;
+}
+
+bool Judge::prove_parts(const Mesh& near, MeshSource& level, const Mesh& part, double bound,
+                        MeasureReport& found, const Hooks& hooks) const {
+    const WithinReport proof =
+        prove_parts_within(*view_mesh(near, "near places"), level, *view_mesh(part, "part"), bound,
+                           with_places(how_, bound, found.bounds.diagonal()), hooks);
+    add_places(proof.forward, bound, found.forward);
+    add_places(proof.backward, bound, found.backward);
+    return proof.verdict != WithinReport::Verdict::Refuted;
 }
 
 }  // namespace hewer::fidelity

@@ -23,6 +23,11 @@ class Judge {
     /// reach the level is measured again, at three times the usual points. True: proven.
     bool prove(MeshSource& level, double bound, MeasureReport& found, const Hooks& hooks) const;
 
+    /// The same for parts (prove_parts_within()), of which `near` is of the original. False only if
+    /// a place is named.
+    bool prove_parts(const Mesh& near, MeshSource& level, const Mesh& part, double bound,
+                     MeasureReport& found, const Hooks& hooks) const;
+
     [[nodiscard]] MeshSource& original() const { return *original_; }
     [[nodiscard]] const MeasureOptions& options() const { return how_; }
 

@@ -20,6 +20,11 @@ namespace {
 constexpr double kNearEdge = 0.4;
 // Cosine of how far a face may turn.
 constexpr double kMostTurn = 0.1;
+// Times the distance before: how far a flip may leave it.
+constexpr double kNearer = 0.95;
+constexpr double kNoFarther = 1.01;
+// Times what is near enough: the height of a face that is too thin to be moved.
+constexpr double kThin = 0.25;
 // Times what is near enough: up to that corners move a little rather than that there are more.
 constexpr double kNearly = 1.4;
 
@@ -60,6 +65,8 @@ class Puller {
         report.vertices = mesh_.positions.size() - n_vertices;
         report.triangles = mesh_.triangles.size() - n_triangles;
         report.border_edges = n_border_splits_;
+        report.faces = faces_at_hand(hosts);
+        report.boxes = std::move(boxes_);
         return report;
     }
 
@@ -89,6 +96,20 @@ class Puller {
         const Weights w = foot_of(p, a, b, c).weights;
         const Vec3 way = p - (w[0] * a + w[1] * b + w[2] * c);
         if (dot(way, way) < host.squared_distance) host = {f, w, dot(way, way)};
+    }
+
+    [[nodiscard]] std::vector<std::uint64_t> faces_at_hand(std::span<const Host> hosts) const {
+        std::vector<std::uint64_t> faces;
+        for (const Host& host : hosts) faces.push_back(host.face);
+        for (std::size_t f = 0; f < is_changed_.size(); ++f) {
+            if (is_changed_[f]) faces.push_back(f);
+        }
+        for (std::size_t f = is_changed_.size(); f < mesh_.triangles.size(); ++f) {
+            faces.push_back(f);
+        }
+        std::sort(faces.begin(), faces.end());
+        faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+        return faces;
     }
 
     /// Faces by vertex, for the corners of hosts.
@@ -123,6 +144,13 @@ class Puller {
         return faces;
     }
 
+    [[nodiscard]] Bounds box_of(const Faces& faces) const {
+        Bounds box;
+        for (const std::size_t f : faces) {
+            for (const std::uint64_t v : mesh_.triangles[f]) box.extend(position(v));
+        }
+        return box;
+    }
     [[nodiscard]] Vec3 normal_of(const Triangle& t) const {
         return cross(position(t[1]) - position(t[0]), position(t[2]) - position(t[0]));
     }
@@ -140,10 +168,14 @@ class Puller {
         // Already there: what was wrong has gone with what other pulls did.
         if (distance <= pull.near) return false;
         const Vec3 least = (1 - pull.near / distance) * way;
-        if (distance <= kNearly * pull.near && !pull.by_vertex) {
-            return nudge(host, least) || split(host, pull.to);
+        if (pull.by == Pull::By::Corners) return nudge(host, least);
+        if (pull.by == Pull::By::Flip && flip(host, pull.to, pull.near)) return true;
+        const bool by_vertex = pull.by == Pull::By::Vertex || distance > kNearly * pull.near;
+        if (by_vertex ? split(host, pull.to) || nudge(host, least)
+                      : nudge(host, least) || split(host, pull.to)) {
+            return true;
         }
-        return split(host, pull.to) || nudge(host, least);
+        return pull.by != Pull::By::Flip && flip(host, pull.to, pull.near);
     }
     [[nodiscard]] Vec3 foot_of_host(const Host& host) const {
         const Triangle& t = mesh_.triangles[host.face];
@@ -167,6 +199,7 @@ class Puller {
         faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
         std::vector<Vec3> normals;
         for (const std::size_t f : faces) normals.push_back(normal_of(mesh_.triangles[f]));
+        Bounds box = box_of(faces);
         const Vec3 way = (1 / squares) * by;
         std::array<Vec3, 3> before{};
         for (std::size_t c = 0; c < 3; ++c) {
@@ -179,6 +212,8 @@ class Puller {
             return false;
         }
         for (const std::size_t f : faces) is_changed_[f] = true;
+        box.extend(box_of(faces));
+        boxes_.push_back(box);
         return true;
     }
 
@@ -199,6 +234,65 @@ class Puller {
         }
         carry_out(best);
         return true;
+    }
+
+    /// Turns an edge of the host between the two faces beside it, so that they come nearer; or, if
+    /// the host is too thin to be moved, so that it is gone.
+    bool flip(const Host& host, const Vec3& to, double near) {
+        const Triangle t = mesh_.triangles[host.face];
+        const double most = is_thin(t, kThin * near) ? kNoFarther : kNearer;
+        Change best;
+        for (std::size_t c = 0; c < 3; ++c) {
+            Change change = flipped(t[(c + 1) % 3], t[(c + 2) % 3], t[c]);
+            if (change.turn <= std::max(best.turn, kMostTurn)) continue;
+            double before = std::numeric_limits<double>::infinity();
+            for (const std::size_t f : change.before) {
+                before = std::min(before, distance_to(mesh_.triangles[f], to));
+            }
+            if (std::any_of(change.after.begin(), change.after.end(), [&](const Triangle& f) {
+                    return distance_to(f, to) <= most * before;
+                })) {
+                best = std::move(change);
+            }
+        }
+        if (best.turn < 0) return false;
+        carry_out(best);
+        return true;
+    }
+    [[nodiscard]] double distance_to(const Triangle& t, const Vec3& p) const {
+        return std::sqrt(squared_distance(p, position(t[0]), position(t[1]), position(t[2])));
+    }
+    [[nodiscard]] bool is_thin(const Triangle& t, double height) const {
+        double longest = 0;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const Vec3 edge = position(t[(c + 1) % 3]) - position(t[c]);
+            longest = std::max(longest, dot(edge, edge));
+        }
+        const Vec3 n = normal_of(t);
+        return dot(n, n) <= height * height * longest;
+    }
+    /// Of the edge from a to b of a face whose third corner is c. Turns count from what both faces
+    /// are together: a thin one has no direction.
+    [[nodiscard]] Change flipped(std::uint64_t a, std::uint64_t b, std::uint64_t c) const {
+        Change change{false, faces_of(a, b), {}, -1};
+        if (change.before.size() != 2) return change;
+        Vec3 together{};
+        std::uint64_t d = c;
+        for (const std::size_t f : change.before) {
+            together = together + normal_of(mesh_.triangles[f]);
+            for (const std::uint64_t v : mesh_.triangles[f]) {
+                if (v != a && v != b && v != c) d = v;
+            }
+        }
+        // Both on one side, or an edge from c to d that is there already.
+        const Faces around = faces_of(c);
+        if (d == c || around.empty() || !faces_of(c, d).empty()) return change;
+        change.after = {{a, d, c}, {d, b, c}};
+        change.turn = 1;
+        for (const Triangle& after : change.after) {
+            change.turn = std::min(change.turn, cosine(together, after));
+        }
+        return change;
     }
 
     [[nodiscard]] Change split_face(std::size_t face, std::uint64_t v) const {
@@ -229,6 +323,11 @@ class Puller {
     }
     void carry_out(const Change& change) {
         const std::size_t n = change.before.size();
+        Bounds box = box_of(change.before);
+        for (const Triangle& t : change.after) {
+            for (const std::uint64_t v : t) box.extend(position(v));
+        }
+        boxes_.push_back(box);
         for (std::size_t i = 0; i < n; ++i) {
             is_changed_[change.before[i]] = true;
             mesh_.triangles[change.before[i]] = change.after[i];
@@ -279,6 +378,7 @@ class Puller {
     std::vector<bool> is_changed_;                               // by face of before
     std::vector<std::pair<std::uint64_t, std::size_t>> around_;  // vertex, face
     std::uint64_t n_border_splits_ = 0;
+    std::vector<Bounds> boxes_;
 };
 
 }  // namespace

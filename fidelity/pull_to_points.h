@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "hewer/mesh_source.h"
 #include "hewer/types.h"
@@ -14,8 +15,15 @@ namespace hewer::fidelity {
 struct Pull {
     Vec3 from{};
     Vec3 to{};
-    double near = 0;         ///< this far from each other is near enough
-    bool by_vertex = false;  ///< rather than by moving what is there, however near it is
+    double near = 0;  ///< this far from each other is near enough
+    /// What is tried first.
+    enum class By {
+        Distance,  ///< corners if it is nearly near enough, else a vertex
+        Vertex,
+        Flip,
+        Corners,  ///< and nothing else
+    };
+    By by = By::Distance;
 };
 
 struct PullReport {
@@ -23,6 +31,10 @@ struct PullReport {
     std::uint64_t vertices = 0;
     std::uint64_t triangles = 0;
     std::uint64_t border_edges = 0;  ///< more than before, as the two above
+    /// Those that pulls began at, and all that are changed or new; ascending.
+    std::vector<std::uint64_t> faces;
+    /// Of the faces that a pull has changed, before and after; one for each that was done.
+    std::vector<Bounds> boxes;
 };
 
 /// For each pull the face nearest to `from` is changed. If its nearest point is no farther than 1.4

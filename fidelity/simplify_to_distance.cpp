@@ -11,6 +11,7 @@
 #include "fidelity/failing_places.h"
 #include "fidelity/judge.h"
 #include "fidelity/kept_mesh.h"
+#include "fidelity/neighbourhood.h"
 #include "fidelity/repair.h"
 #include "hewer/certify.h"
 #include "hewer/error.h"
@@ -153,13 +154,16 @@ class Search {
             steps_.push_back({now.triangles, fidelity::largest_distance(*now.measured)});
         };
         note(lod);
-        one->is_repaired =
-            fidelity::repair(judge(), bound_, one->mesh, lod, progress_.hooks(0.8, 1), note);
+        const double area = one->report.input.area / static_cast<double>(budget);
+        const double spacing = std::sqrt(area / kTriangleArea);
+        MeasureOptions besides = measuring();
+        besides.memory_bytes -=
+            std::min(besides.memory_bytes / 2, fidelity::Neighbourhood::kMostBytes);
+        one->is_repaired = fidelity::repair({*source_, besides}, bound_, spacing, one->mesh, lod,
+                                            progress_.hooks(0.8, 1), note);
         if (fidelity::largest_distance(*lod.measured) > bound_ &&
             fidelity::fails_in_places(*lod.measured, bound_)) {
-            const double area = one->report.input.area / static_cast<double>(budget);
-            fidelity::focus_on_failures(*lod.measured, bound_, std::sqrt(area / kTriangleArea),
-                                        options_.focus);
+            fidelity::focus_on_failures(*lod.measured, bound_, spacing, options_.focus);
         }
         return one;
     }

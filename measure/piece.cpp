@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "measure/piece.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "ooc/triangle_foot.h"
+#include "ooc/vec3.h"
 
 namespace hewer::measuring {
 
@@ -9,10 +13,13 @@ namespace {
 
 // Of the area of a piece: less is not worth a cut.
 constexpr double kLeastPart = 1.0 / 16;
-constexpr int kBisections = 12;
+// Of the distance that is near enough: a cut is where this much is left of an edge.
+constexpr double kAim = 0.99;
+// To a cut; two or three do for most.
+constexpr int kMostSteps = 12;
 // Steps. Where an edge is shorter, rounding decides where its cut is: the cuts of needles would
 // move nothing.
-constexpr double kShortEdge = 1 << kBisections;
+constexpr double kShortEdge = 1 << 12;
 
 bool has_short_edge(const Piece& piece) {
     return squared_edge(piece, 0) < kShortEdge * kShortEdge ||
@@ -34,15 +41,31 @@ LatticePoint between(const LatticePoint& a, const LatticePoint& b, double share)
     return p;
 }
 
-/// The last point from `a`, which is near, to `b` that is, about.
+/// The last point from `a`, which is near, to `b`, which is not, that is near, or one somewhat
+/// before it.
+///
+/// The distance along an edge is a convex function, and a tangent of it is below it: Newton's steps
+/// from b to a point that is a little nearer than it must be do not go beyond that, and come to be
+/// near after a few.
 Cut last_near(const LatticePoint& a, const LatticePoint& b, const LatticeTriangle& t, double near) {
-    Cut last{a, 0};
-    double step = 0.5;
-    for (int i = 0; i < kBisections; ++i, step /= 2) {
-        const Cut next{between(a, b, last.share + step), last.share + step};
-        if (squared_distance(to_double(next.point), t, near) <= near) last = next;
+    const double aim = kAim * std::sqrt(near);
+    const std::array<Vec3, 3> corners{to_double(t[0]), to_double(t[1]), to_double(t[2])};
+    const Vec3 edge = to_double(b) - to_double(a);
+    Cut cut{b, 1};
+    for (int i = 0; i < kMostSteps; ++i) {
+        const Vec3 p = to_double(cut.point);
+        const auto w = foot_of(p, corners[0], corners[1], corners[2]).weights;
+        const Vec3 way = p - (w[0] * corners[0] + w[1] * corners[1] + w[2] * corners[2]);
+        const double distance = std::sqrt(dot(way, way));
+        const double slope = dot(way, edge) / distance;
+        // Not so for an edge that goes nowhere, and where rounding decides.
+        if (!(slope > 0 && distance > aim)) break;
+        cut.share -= (distance - aim) / slope;
+        if (!(cut.share > 0)) break;
+        cut.point = between(a, b, cut.share);
+        if (squared_distance(to_double(cut.point), t, near) <= near) return cut;
     }
-    return last;
+    return {a, 0};
 }
 
 }  // namespace

@@ -7,6 +7,14 @@
 
 namespace hewer::measuring {
 
+/// What is looked at for this many triangles of both surfaces: 32 for each, and some for small
+/// ones.
+constexpr std::uint64_t most_pieces(std::uint64_t n_triangles) {
+    constexpr std::uint64_t kPerTriangle = 32;
+    constexpr std::uint64_t kBesides = 1 << 20;
+    return kPerTriangle * n_triangles + kBesides;
+}
+
 /// Shared by all workers of a proof.
 class PieceLimits {
   public:

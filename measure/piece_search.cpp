@@ -13,10 +13,7 @@ constexpr std::uint64_t kPerLook = 4096;
 
 PieceSearch::Nearest PieceSearch::find(const Vec3& q) {
     const Nearest nearest = walk_.nearest(q);
-    if (nearest.squared_distance > limits_->near()) {
-        far_->add(q, nearest.squared_distance);
-        has_failed_ = true;
-    }
+    if (nearest.squared_distance > limits_->near()) far_.add(q, nearest.squared_distance);
     return nearest;
 }
 
@@ -44,8 +41,7 @@ void PieceSearch::check_piece(const Pending& pending) {
         if (d < best.squared_distance) best = {d, n.triangle};
     }
     if (limits_->is_hair(squared_radius(piece))) {
-        far_->add(center_of(piece), best.squared_distance);
-        has_failed_ = true;
+        far_.add(center_of(piece), best.squared_distance);
         return;
     }
     for (const Piece& part : rest_of(piece, to_->triangles()[best.triangle], near)) {

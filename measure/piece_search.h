@@ -4,12 +4,13 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
+#include "measure/far_places.h"
 #include "measure/piece.h"
 #include "measure/piece_limits.h"
 #include "measure/triangle_index.h"
-#include "measure/worst_places.h"
 
 namespace hewer::measuring {
 
@@ -19,13 +20,14 @@ namespace hewer::measuring {
 /// thread; triangles that follow each other should be near each other.
 class PieceSearch {
   public:
-    PieceSearch(const TriangleIndex& to, PieceLimits& limits, WorstPlaces& far)
-        : to_(&to), limits_(&limits), far_(&far), walk_(to) {}
+    /// `none`: where far places will be added to.
+    PieceSearch(const TriangleIndex& to, PieceLimits& limits, FarPlaces none)
+        : to_(&to), limits_(&limits), far_(std::move(none)), walk_(to) {}
 
-    /// Far places go where the constructor was told. Gives up once the limits are spent.
+    /// Gives up once the limits are spent.
     void check(const LatticeTriangle& triangle);
-    /// Some place was far.
-    [[nodiscard]] bool has_failed() const { return has_failed_; }
+    [[nodiscard]] const FarPlaces& far() const { return far_; }
+    [[nodiscard]] FarPlaces& far() { return far_; }
 
   private:
     using Nearest = TriangleIndex::Nearest;
@@ -42,10 +44,9 @@ class PieceSearch {
 
     const TriangleIndex* to_;
     PieceLimits* limits_;
-    WorstPlaces* far_;
+    FarPlaces far_;
     TriangleIndex::Walk walk_;
     std::vector<Pending> pending_;
-    bool has_failed_ = false;
 };
 
 }  // namespace hewer::measuring

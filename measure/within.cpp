@@ -10,6 +10,7 @@
 
 #include "hewer/error.h"
 #include "measure/census.h"
+#include "measure/far_places.h"
 #include "measure/lattice.h"
 #include "measure/limits.h"
 #include "measure/piece.h"
@@ -19,7 +20,6 @@
 #include "measure/resident_surface.h"
 #include "measure/triangle_index.h"
 #include "measure/waiting_points.h"
-#include "measure/worst_places.h"
 #include "ooc/context.h"
 #include "ooc/parallel.h"
 #include "ooc/spool.h"
@@ -35,9 +35,8 @@ using namespace measuring;
 constexpr std::uint64_t kBatchBytes = 2 << 20;
 // Of a batch of waiting pieces: with fewer, most of the time goes into reading the original.
 constexpr std::uint64_t kLeastWaiting = 1 << 14;
-// What is looked at for each triangle of both surfaces, and for the two of small ones.
-constexpr std::uint64_t kPiecesPerTriangle = 32;
-constexpr std::uint64_t kPieces = 1 << 20;
+// Pieces that have waited, looked at by a thread at once.
+constexpr std::uint64_t kPerTask = 1 << 12;
 // Rounds of what is left, each a pass over the original; twenty do for most.
 constexpr int kMostRounds = 64;
 // Of a piece that waits for the first time: its longest edge is at most the distance and so many
@@ -52,7 +51,7 @@ class Proof {
         : original_(original),
           simplified_(simplified),
           distance_(distance),
-          most_places_(options.most_places),
+          options_(options),
           context_(limits_of(options), hooks, {{"scan", 2}, {"load", 1}, {"prove", 10}}) {}
 
     WithinReport run();
@@ -63,14 +62,20 @@ class Proof {
     [[nodiscard]] ooc::Spool<Piece> first_pieces(PieceLimits& limits);
     [[nodiscard]] std::uint64_t most_waiting();
     void decide(PieceLimits& limits, WithinReport& report);
-    bool check_batch(WaitingPoints& waiting, PieceLimits& limits, ooc::Spool<Piece>& next,
-                     WorstPlaces& far) const;
+    struct Rest {
+        std::vector<Piece> pieces;
+        std::vector<FarPlaces::Place> far;
+    };
+    static Rest check(const WaitingPoints& waiting, std::uint64_t begin, std::uint64_t end,
+                      const PieceLimits& limits);
+    void check_batch(const WaitingPoints& waiting, PieceLimits& limits, ooc::Spool<Piece>& next,
+                     FarPlaces& far);
     void stream_past(WaitingPoints& waiting, std::span<PieceSearch> searches);
 
     MeshSource& original_;
     MeshSource& simplified_;
     double distance_;
-    unsigned most_places_;
+    const MeasureOptions& options_;
     ooc::Context context_;
     ooc::HeldInput held_original_{context_.hold(original_)};
     ooc::HeldInput held_simplified_{context_.hold(simplified_)};
@@ -144,34 +149,50 @@ void Proof::stream_past(WaitingPoints& waiting, std::span<PieceSearch> searches)
         });
 }
 
-/// What is left where a piece is neither near nor far goes to `next`. Whether none is far.
-bool Proof::check_batch(WaitingPoints& waiting, PieceLimits& limits, ooc::Spool<Piece>& next,
-                        WorstPlaces& far) const {
-    bool has_far = false;
-    for (std::uint64_t i = 0; i < waiting.size(); ++i) {
+/// What is left of pieces [begin, end) of those that waited.
+Proof::Rest Proof::check(const WaitingPoints& waiting, std::uint64_t begin, std::uint64_t end,
+                         const PieceLimits& limits) {
+    Rest rest;
+    for (std::uint64_t i = begin; i < end; ++i) {
         const double bound = waiting.squared_distance(i);
         if (bound <= limits.near()) continue;
         const Piece& piece = waiting.piece(i);
         // Not even the center, or too small to halve.
         if (std::isinf(bound) || limits.is_hair(squared_radius(piece))) {
-            far.add(waiting.point(i), std::isinf(bound) ? limits.near() : bound);
-            has_far = true;
+            rest.far.push_back({std::isinf(bound) ? limits.near() : bound, waiting.point(i)});
             continue;
         }
         for (const Piece& part : rest_of(piece, waiting.nearest(i), limits.near())) {
-            next.push(part);
-            limits.count(1);
+            rest.pieces.push_back(part);
         }
     }
-    return !has_far;
+    return rest;
+}
+
+/// What is left where a piece is neither near nor far goes to `next`.
+void Proof::check_batch(const WaitingPoints& waiting, PieceLimits& limits, ooc::Spool<Piece>& next,
+                        FarPlaces& far) {
+    context_.workers().in_order(
+        (waiting.size() + kPerTask - 1) / kPerTask, 2 * context_.n_threads(),
+        [&](std::uint64_t task) {
+            const std::uint64_t begin = task * kPerTask;
+            return check(waiting, begin, std::min(begin + kPerTask, waiting.size()), limits);
+        },
+        [&](std::uint64_t, const Rest& rest) {
+            next.append(rest.pieces);
+            limits.count(rest.pieces.size());
+            for (const FarPlaces::Place& p : rest.far) far.add(p.point, p.squared_distance);
+        });
 }
 
 void Proof::decide(PieceLimits& limits, WithinReport& report) {
-    WorstPlaces forward(context_, box_);
-    WorstPlaces backward(context_, box_);
+    const double apart = options_.places_apart * box_.diagonal();
+    FarPlaces backward(context_, box_, apart);
     ooc::Spool<Piece> pending = first_pieces(limits);
-    std::vector<PieceSearch> searches(context_.n_threads(), {index_, limits, forward});
-    bool is_near = true;
+    std::vector<PieceSearch> searches;
+    for (unsigned i = 0; i < context_.n_threads(); ++i) {
+        searches.emplace_back(index_, limits, FarPlaces(context_, box_, apart));
+    }
     // To the end, though a place is far already: the others are wanted, too.
     for (int round = 0; round < kMostRounds && !pending.empty() && !limits.is_spent(); ++round) {
         ooc::Spool<Piece> next(context_, "rests of pieces of the simplified surface");
@@ -185,16 +206,17 @@ void Proof::decide(PieceLimits& limits, WithinReport& report) {
             // The original's own pieces are looked at as it passes for the first time.
             const bool is_first = round == 0 && first == 0;
             stream_past(waiting, is_first ? std::span(searches) : std::span<PieceSearch>());
-            is_near = check_batch(waiting, limits, next, backward) && is_near;
+            check_batch(waiting, limits, next, backward);
         }
-        is_near = is_near && std::none_of(searches.begin(), searches.end(),
-                                          [](const PieceSearch& s) { return s.has_failed(); });
         pending = std::move(next);
     }
+    FarPlaces& forward = searches.front().far();
+    for (const PieceSearch& other : std::span(searches).subspan(1)) forward.add(other.far());
+    const bool is_near = forward.empty() && backward.empty();
     if (limits.is_spent() || (is_near && !pending.empty())) return;
     report.verdict = is_near ? WithinReport::Verdict::Proven : WithinReport::Verdict::Refuted;
-    report.forward = forward.report(lattice_, most_places_);
-    report.backward = backward.report(lattice_, most_places_);
+    report.forward = forward.report(lattice_, options_.most_places);
+    report.backward = backward.report(lattice_, options_.most_places);
 }
 
 WithinReport Proof::run() {
@@ -212,8 +234,7 @@ WithinReport Proof::run() {
     // What the lattice takes from both surfaces, and halving.
     const double steps = distance_ / lattice_.step() - kRounding;
     if (!(steps > kRounding)) return report;
-    PieceLimits limits(
-        steps, kPiecesPerTriangle * (census_.n_triangles + simplified.n_triangles) + kPieces);
+    PieceLimits limits(steps, most_pieces(census_.n_triangles + simplified.n_triangles));
     context_.begin_stage("prove", 0, "faces");
     decide(limits, report);
     context_.end_stage();

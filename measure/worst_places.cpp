@@ -2,6 +2,8 @@
 #include "measure/worst_places.h"
 
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 namespace hewer::measuring {
 
@@ -32,38 +34,42 @@ void WorstPlaces::keep(Place& place, const Vec3& q, double squared_distance) {
 }
 
 std::vector<WorstPlaces::Place> WorstPlaces::worst(std::size_t n) const {
+    std::vector<Place> places;
+    std::copy_if(places_.begin(), places_.end(), std::back_inserter(places),
+                 [](const Place& p) { return p.squared_distance > 0; });
+    return worst_of(std::move(places), n, apart_sq_);
+}
+
+std::vector<WorstPlaces::Place> WorstPlaces::worst_of(std::vector<Place> places, std::size_t n,
+                                                      double apart_sq) {
+    std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+        return a.squared_distance != b.squared_distance ? a.squared_distance > b.squared_distance
+                                                        : a.point < b.point;
+    });
     std::vector<Place> found;
-    while (found.size() < n) {
-        const Place* next = nullptr;
-        for (const Place& p : places_) {
-            if (!(p.squared_distance > 0)) continue;
-            if (next != nullptr &&
-                (p.squared_distance < next->squared_distance ||
-                 (p.squared_distance == next->squared_distance && next->point < p.point))) {
-                continue;
+    for (const Place& p : places) {
+        if (found.size() == n) break;
+        const bool is_near = std::any_of(found.begin(), found.end(), [&](const Place& f) {
+            double d2 = 0;
+            for (std::size_t k = 0; k < 3; ++k) {
+                d2 += (f.point[k] - p.point[k]) * (f.point[k] - p.point[k]);
             }
-            const bool is_near = std::any_of(found.begin(), found.end(), [&](const Place& f) {
-                double d2 = 0;
-                for (std::size_t k = 0; k < 3; ++k) {
-                    d2 += (f.point[k] - p.point[k]) * (f.point[k] - p.point[k]);
-                }
-                return d2 < apart_sq_ || d2 == 0;
-            });
-            if (!is_near) next = &p;
-        }
-        if (next == nullptr) break;
-        found.push_back(*next);
+            return d2 < apart_sq || d2 == 0;
+        });
+        if (!is_near) found.push_back(p);
     }
     return found;
 }
 
-std::vector<WorstPlace> WorstPlaces::report(const Lattice& lattice, std::size_t n) const {
-    std::vector<WorstPlace> places;
-    for (const Place& p : worst(n)) {
-        places.push_back(
+std::vector<WorstPlace> WorstPlaces::report(const std::vector<Place>& places,
+                                            const Lattice& lattice) {
+    std::vector<WorstPlace> reported;
+    reported.reserve(places.size());
+    for (const Place& p : places) {
+        reported.push_back(
             {lattice.to_model(p.point), std::sqrt(p.squared_distance) * lattice.step()});
     }
-    return places;
+    return reported;
 }
 
 }  // namespace hewer::measuring

@@ -48,7 +48,14 @@ class WorstPlaces {
     /// The worst `n` at most, worst first.
     [[nodiscard]] std::vector<Place> worst(std::size_t n) const;
     /// The same for a report: in model units.
-    [[nodiscard]] std::vector<WorstPlace> report(const Lattice& lattice, std::size_t n) const;
+    [[nodiscard]] std::vector<WorstPlace> report(const Lattice& lattice, std::size_t n) const {
+        return report(worst(n), lattice);
+    }
+
+    /// The worst `n` at most of any places, worst first, each at least the root of `apart_sq` away
+    /// from those before.
+    static std::vector<Place> worst_of(std::vector<Place> places, std::size_t n, double apart_sq);
+    static std::vector<WorstPlace> report(const std::vector<Place>& places, const Lattice& lattice);
 
     static constexpr std::uint64_t kMostBytes = 36ULL * 36 * 36 * sizeof(Place);
 

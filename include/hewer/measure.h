@@ -30,6 +30,8 @@ struct MeasureOptions {
     std::uint64_t n_samples = 0;
     std::uint64_t seed = 1;
     unsigned most_places = 10;  ///< in DistanceReport::worst
+    /// How far from each other those of a proof are (hewer/within.h), about; of the diagonal.
+    double places_apart = 0.05;
     /// A mesh file to write (see MeshSink), its vertices coloured by distance; empty: none.
     std::filesystem::path map{};
     MapOf map_of = MapOf::Simplified;

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "ooc/vec3.h"
 #include "tests/support/mesh_checks.h"
 #include "tests/support/shapes.h"
 
@@ -77,8 +78,90 @@ TEST(PullToPoints, PlaceThatIsNearEnoughStaysAndOneThatIsToHaveAVertexGetsIt) {
     const Vec3 to{0.25 / 3, 0.5 / 3, 0.1};
     const std::vector<Pull> enough{{to, to, 0.11}};
     EXPECT_EQ(pull_to_points(mesh, enough).n_done, 0U);
-    const std::vector<Pull> by_vertex{{to, to, 0.08, true}};
+    const std::vector<Pull> by_vertex{{to, to, 0.08, Pull::By::Vertex}};
     EXPECT_EQ(pull_to_points(mesh, by_vertex).vertices, 1U);
+}
+
+/// Two faces over a square whose edge bridges a hollow: the other diagonal is in it.
+Mesh bridge() {
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0.2}, {1, 0, 0}, {1, 1, 0.2}, {0, 1, 0}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    return mesh;
+}
+
+TEST(PullToPoints, EdgeThatBridgesAHollowIsTurned) {
+    Mesh mesh = bridge();
+    const std::vector<Pull> pulls{{{0.5, 0.5, 0.2}, {0.5, 0.5, 0}, 0.01, Pull::By::Flip}};
+    const PullReport report = pull_to_points(mesh, pulls);
+    EXPECT_EQ(report.n_done, 1U);
+    EXPECT_EQ(report.triangles, 0U);
+    EXPECT_NEAR(height_at(mesh, 0.5, 0.5), 0, 1e-12);
+    EXPECT_TRUE(test::count(mesh).is_clean());
+    // Turned back it would be nearer to no point that is nearer than its other end.
+    const std::vector<Pull> back{{{0.5, 0.5, 0}, {0.5, 0.5, 0.01}, 0.005, Pull::By::Flip}};
+    EXPECT_EQ(pull_to_points(mesh, back).n_done, 1U);
+    EXPECT_LT(height_at(mesh, 0.5, 0.5), 0.011);
+}
+
+TEST(PullToPoints, EdgeIsNotTurnedOntoOneThatIsThereAlready) {
+    // A tetrahedron: both diagonals of any two of its faces are edges.
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.4, 0.4, 0.05}};
+    mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+    const std::vector<Pull> pulls{{{0.5, 0.5, 0}, {0.5, 0.5, 0.02}, 0.001, Pull::By::Flip}};
+    pull_to_points(mesh, pulls);
+    const test::Counts after = test::count(mesh);
+    EXPECT_TRUE(after.is_clean());
+    EXPECT_EQ(after.border_edges, 0U);
+}
+
+TEST(PullToPoints, CornersAloneMeansNoNewVertexHoweverFarThePlaceIs) {
+    Mesh mesh = test::plane_grid(4);
+    const Vec3 to{0.25 / 3, 0.5 / 3, 0.1};
+    const std::vector<Pull> pulls{{to, to, 0.02, Pull::By::Corners}};
+    const PullReport report = pull_to_points(mesh, pulls);
+    EXPECT_EQ(report.n_done, 1U);
+    EXPECT_EQ(report.vertices, 0U);
+    EXPECT_NEAR(height_at(mesh, to[0], to[1]), 0.08, 1e-12);
+}
+
+TEST(PullToPoints, ReportNamesAllThatHasChangedAndWhereItWas) {
+    test::Random random(5);
+    for (int i = 0; i < 30; ++i) {
+        Mesh mesh = test::cube_sphere(4, 0.05, static_cast<std::uint64_t>(i));
+        const Mesh before = mesh;
+        std::vector<Pull> pulls;
+        for (int k = 0; k < 6; ++k) {
+            const Vec3 at = mesh.positions[random.below(mesh.positions.size())];
+            Vec3 to = at;
+            for (double& x : to) x += random.between(-0.1, 0.1);
+            pulls.push_back({at, to, 0.02, static_cast<Pull::By>(k % 4)});
+        }
+        const PullReport report = pull_to_points(mesh, pulls);
+        EXPECT_EQ(report.boxes.size(), report.n_done);
+        const auto is_in_a_box = [&](const Vec3& p) {
+            return std::any_of(report.boxes.begin(), report.boxes.end(), [&](const Bounds& box) {
+                return squared_distance(box, p) <= 1e-24;
+            });
+        };
+        EXPECT_TRUE(std::is_sorted(report.faces.begin(), report.faces.end()));
+        for (std::uint64_t f = 0; f < mesh.triangles.size(); ++f) {
+            bool is_same = f < before.triangles.size() && mesh.triangles[f] == before.triangles[f];
+            for (const std::uint64_t v : mesh.triangles[f]) {
+                is_same = is_same && mesh.positions[v] == before.positions[v];
+            }
+            if (is_same) continue;
+            EXPECT_TRUE(std::binary_search(report.faces.begin(), report.faces.end(), f));
+            for (const std::uint64_t v : mesh.triangles[f]) {
+                EXPECT_TRUE(is_in_a_box(mesh.positions[v]));
+            }
+            if (f >= before.triangles.size()) continue;
+            for (const std::uint64_t v : before.triangles[f]) {
+                EXPECT_TRUE(is_in_a_box(before.positions[v]));
+            }
+        }
+    }
 }
 
 TEST(PullToPoints, NothingIsDoneThatTurnsAFaceOver) {

@@ -181,6 +181,73 @@ TEST(ProveWithin, BracketsWhatManySamplesSay) {
     }
 }
 
+WithinReport prove_parts(const Mesh& original_part, const Mesh& simplified, const Mesh& part,
+                         double distance, unsigned n_threads = 2) {
+    const auto a = view_mesh(original_part, "original");
+    const auto b = view_mesh(simplified, "simplified");
+    const auto c = view_mesh(part, "part");
+    return prove_parts_within(*a, *b, *c, distance, limits(n_threads));
+}
+
+TEST(ProveParts, OfWholeSurfacesSayTheSame) {
+    for (std::uint64_t seed = 0; seed < 8; ++seed) {
+        const Mesh a = cube_sphere(5, 0.1, seed);
+        const Mesh b = cube_sphere(4, 0.1, seed + 100);
+        const double farthest = measured(a, b, 200'000);
+        for (const double share : {0.5, 0.9, 1.05, 1.5}) {
+            EXPECT_EQ(prove_parts(a, b, b, share * farthest).verdict,
+                      prove(a, b, share * farthest).verdict)
+                << seed << ' ' << share;
+        }
+    }
+}
+
+TEST(ProveParts, LookAtThePartsAlone) {
+    const Mesh flat = square_with_pit(0, 0);
+    const Mesh pit = square_with_pit(0.1, 0.01);
+    Mesh away = pit;  // what the pit's own faces are not
+    std::erase_if(away.triangles, [](const Triangle& t) { return t[2] == 8; });
+    EXPECT_EQ(prove_parts(flat, pit, pit, 0.05).verdict, Verdict::Refuted);
+    EXPECT_EQ(prove_parts(flat, pit, away, 0.05).verdict, Verdict::Proven);
+    EXPECT_EQ(prove_parts(pit, flat, flat, 0.05).verdict, Verdict::Refuted);
+    EXPECT_EQ(prove_parts(away, flat, flat, 0.05).verdict, Verdict::Proven);
+}
+
+TEST(ProveParts, ThreadsDoNotShow) {
+    const Mesh a = cube_sphere(12, 0.1, 3);
+    const Mesh b = cube_sphere(9, 0.1, 4);
+    const WithinReport one = prove_parts(a, b, b, 0.05, 1);
+    const WithinReport three = prove_parts(a, b, b, 0.05, 3);
+    EXPECT_EQ(one.verdict, Verdict::Refuted);
+    EXPECT_EQ(one.n_pieces, three.n_pieces);
+    ASSERT_EQ(one.forward.size(), three.forward.size());
+    ASSERT_EQ(one.backward.size(), three.backward.size());
+    for (std::size_t i = 0; i < one.forward.size(); ++i) {
+        EXPECT_EQ(one.forward[i].point, three.forward[i].point);
+    }
+    for (std::size_t i = 0; i < one.backward.size(); ++i) {
+        EXPECT_EQ(one.backward[i].point, three.backward[i].point);
+    }
+}
+
+TEST(ProveWithin, PlacesCloseToEachOtherAreToldApartWhereThatIsAskedFor) {
+    // Two pits a fiftieth of the diagonal from each other.
+    Mesh pits = square_with_pit(0.1, 0.005);
+    const std::uint64_t n = pits.positions.size();
+    for (const Vec3& p : translated(square_with_pit(0.1, 0.005), {0.03, 0, 0}).positions) {
+        pits.positions.push_back(p);
+    }
+    for (std::uint64_t i = 0; i < 4; ++i) {
+        pits.triangles.push_back({n + 4 + i, n + 4 + (i + 1) % 4, n + 8});
+    }
+    EXPECT_EQ(prove(pits, square_with_pit(0, 0), 0.05).forward.size(), 1U);
+    MeasureOptions finely = limits();
+    finely.places_apart = 0.01;
+    const WithinReport report = prove(pits, square_with_pit(0, 0), 0.05, finely);
+    EXPECT_GE(report.forward.size(), 2U);
+    EXPECT_LE(report.forward.size(), 10U);
+}
+
 TEST(ProveWithin, ThreadsAndMemoryDoNotShow) {
     // More pieces than one batch has in the smaller limit.
     const Mesh fine = plane_grid(120, 0.004, 1);
