@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
-#include <numeric>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -46,6 +46,7 @@ constexpr double kFarthest = 4;
 struct Far {
     double distance = 0;
     Pull pull;
+    bool is_of_level = false;  // rather than of the original
 };
 
 class Repair {
@@ -100,47 +101,40 @@ class Repair {
 /// on: the rest will be found again. near_ has what is near them.
 std::vector<Far> Repair::far_places() {
     std::vector<Far> far;
-    std::vector<Far> of_level;
     for (const WorstPlace& place : found_.forward.worst) {
-        if (place.distance > bound_) far.push_back({place.distance, {place.point, place.point}});
+        far.push_back({place.distance, {place.point, place.point}, false});
     }
     for (const WorstPlace& place : found_.backward.worst) {
-        if (place.distance > bound_) of_level.push_back({place.distance, {place.point, {}}});
+        far.push_back({place.distance, {place.point, {}}, true});
     }
-    const std::size_t n_forward = far.size();
-    far.insert(far.end(), of_level.begin(), of_level.end());
-    std::vector<Bounds> boxes(far.size());
-    for (std::size_t i = 0; i < far.size(); ++i) boxes[i].extend(far[i].pull.from);
-
-    std::vector<std::size_t> order(far.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        return far[a].distance > far[b].distance;
-    });
-    for (;; order.resize(order.size() / 2)) {
-        if (order.empty()) return {};
-        std::vector<Bounds> wanted;
-        for (const std::size_t i : order) wanted.push_back(boxes[i]);
-        if (near_.include(wanted, hooks_)) break;
-    }
+    std::erase_if(far, [&](const Far& place) { return !(place.distance > bound_); });
+    std::stable_sort(far.begin(), far.end(),
+                     [](const Far& a, const Far& b) { return a.distance > b.distance; });
+    const auto boxes = [&] {
+        std::vector<Bounds> each(far.size());
+        for (std::size_t i = 0; i < far.size(); ++i) each[i].extend(far[i].pull.from);
+        return each;
+    };
+    while (!far.empty() && !near_.include(boxes(), hooks_)) far.resize(far.size() / 2);
 
     std::vector<Vec3> points;
-    for (const std::size_t i : order) {
-        if (i >= n_forward) points.push_back(far[i].pull.from);
+    for (const Far& place : far) {
+        if (place.is_of_level) points.push_back(place.pull.from);
     }
     const auto nearest = nearest_points(*view_mesh(near_.mesh(), "near places"), points,
                                         kFarthest * bound_, judge_.options(), hooks_);
-    std::vector<Far> sorted;
+    std::vector<Far> with_counterpart;
+    with_counterpart.reserve(far.size());
     std::size_t n = 0;
-    for (const std::size_t i : order) {
-        if (i < n_forward) {
-            sorted.push_back(far[i]);
-        } else if (const auto& to = nearest[n++]) {
-            sorted.push_back(far[i]);
-            sorted.back().pull.to = *to;
+    for (Far& place : far) {
+        if (place.is_of_level) {
+            const std::optional<Vec3>& to = nearest[n++];
+            if (!to) continue;
+            place.pull.to = *to;
         }
+        with_counterpart.push_back(place);
     }
-    return sorted;
+    return with_counterpart;
 }
 
 /// One round. False if nothing could be done.

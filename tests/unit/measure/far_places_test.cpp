@@ -72,6 +72,7 @@ TEST_F(FarPlacesTest, NeitherOrderNorPartsShowEvenIfCellsHaveToGrow) {
 
     std::shuffle(places.begin(), places.end(), std::mt19937(9));
     std::vector<FarPlaces> parts;
+    parts.reserve(3);
     for (int i = 0; i < 3; ++i) parts.emplace_back(context_, unit_box(), 1);
     // Parts of different sizes: one has to grow its cells and another not.
     for (std::size_t i = 0; i < places.size(); ++i) {
