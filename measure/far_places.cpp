@@ -14,13 +14,12 @@ constexpr unsigned kBits = 21;
 constexpr std::uint64_t kMask = (1U << kBits) - 1;
 // Of a cell in a hash table: its node and its share of the buckets.
 constexpr std::uint64_t kCellBytes = 72;
+constexpr std::size_t kCellsAtOnce = 1024;
 
 }  // namespace
 
 FarPlaces::FarPlaces(ooc::Context& context, const Bounds& box, double apart)
-    : origin_(box.min),
-      apart_(apart),
-      bytes_(context.budget().reserve("far places", kMostCells * kCellBytes)) {
+    : budget_(&context.budget()), origin_(box.min), apart_(apart) {
     // Any two points of a cell are within `apart`; and 21 bits are enough.
     const Vec3 size = box.size();
     const double extent = std::max({size[0], size[1], size[2]});
@@ -45,6 +44,9 @@ void FarPlaces::add(const FarPlaces& other) {
 }
 
 void FarPlaces::keep(Cell cell, const Place& place) {
+    if (cells_.size() == reserved_.size() * kCellsAtOnce) {
+        reserved_.push_back(budget_->reserve("far places", kCellsAtOnce * kCellBytes));
+    }
     const auto [at, is_new] = cells_.try_emplace(cell, place);
     Place& now = at->second;
     if (is_new || now.squared_distance > place.squared_distance) return;
