@@ -35,7 +35,7 @@ std::unique_ptr<MeshSink> KeptMesh::sink() {
 }
 
 PullReport KeptMesh::pull(std::span<const Pull> pulls) {
-    const PullReport report = pull_to_points(mesh_, pulls);
+    PullReport report = pull_to_points(mesh_, pulls);
     header_.n_vertices = mesh_.positions.size();
     header_.n_triangles = mesh_.triangles.size();
     header_.bounds = {};
