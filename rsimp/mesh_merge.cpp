@@ -81,6 +81,7 @@ MeshStore merge_parts(ooc::Context& context, std::vector<MeshStore> parts) {
         part.attributes.release();
     }
     std::vector<ooc::SpoolReader<Face>> faces;
+    faces.reserve(parts.size());
     for (const MeshStore& part : parts) faces.emplace_back(part.faces);
     merge_sorted(
         faces, [](const Face& f) { return f; },
