@@ -81,11 +81,11 @@ class PaintedSource final : public MeshSource {
 
 class PlyTextures {
   public:
-    PlyTextures(std::shared_ptr<const ooc::InputFile> file, PlyHeader header, PlyLayout layout,
-                const OpenOptions& options, const Hooks& hooks)
+    PlyTextures(std::shared_ptr<const ooc::InputFile> file, PlyHeader header,
+                const PlyLayout& layout, const OpenOptions& options, const Hooks& hooks)
         : file_(std::move(file)),
           header_(std::move(header)),
-          layout_(std::move(layout)),
+          layout_(layout),
           options_(options),
           context_({.memory_bytes = options.memory_bytes,
                     .n_threads = options.n_threads,
@@ -302,10 +302,9 @@ std::unique_ptr<MeshSource> open_textured_ply(std::unique_ptr<ooc::InputFile> fi
     PlyHeader header = read_ply_header(*shared);
     std::unique_ptr<MeshSource> mesh = open_ply(shared, header, options);
     SourceInfo info;
-    PlyLayout layout = plan_ply(header, shared->path(), info, options.weight_property);
+    const PlyLayout layout = plan_ply(header, shared->path(), info, options.weight_property);
     if (!layout.texcoords) return mesh;
-    return PlyTextures(shared, std::move(header), std::move(layout), options, hooks)
-        .paint(std::move(mesh));
+    return PlyTextures(shared, std::move(header), layout, options, hooks).paint(std::move(mesh));
 }
 
 }  // namespace hewer::streaming

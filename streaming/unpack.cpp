@@ -103,7 +103,6 @@ std::unique_ptr<ooc::InputFile> unpack_gzip(const ooc::InputFile& file, const Op
                 is_padding = *z->next_in == 0;
                 if (is_padding) break;
                 ::inflateReset(z.get());
-                is_at_end_of_member = false;
                 is_first_member = false;
             }
             do {

@@ -27,8 +27,10 @@ Mesh crowd(std::uint64_t k, double gap, std::uint64_t n_layers) {
     Mesh mesh;
     for (std::uint64_t i = 0; i < k * k * n_layers; ++i) {
         const std::uint64_t first = mesh.positions.size();
-        const Vec3 at{static_cast<double>(i % k), static_cast<double>(i / k % k),
-                      static_cast<double>(i / k / k)};
+        const std::uint64_t row = i / k % k;
+        const std::uint64_t layer = i / k / k;
+        const Vec3 at{static_cast<double>(i % k), static_cast<double>(row),
+                      static_cast<double>(layer)};
         for (const Vec3& p : one.positions) {
             Vec3 moved;
             for (std::size_t axis = 0; axis < 3; ++axis)

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kTriangles = 1500;
 /// A quarter of each way of the unit square, rough all over.
-const Bounds kCorner{{0, 0, -1}, {0.5, 0.5, 1}};
+const Bounds corner_of_plate{{0, 0, -1}, {0.5, 0.5, 1}};
 
 Mesh rough_plate() {
     return plane_grid(120, 0.004);
@@ -54,20 +54,20 @@ TEST(Focus, DrawsTrianglesIntoItsBox) {
     const Mesh mesh = rough_plate();
     for (const Method method : {Method::Refine, Method::Full}) {
         SimplifyOptions options = plate_options(method);
-        const double before = count_in(run_simplify(mesh, options).lods[0], kCorner);
-        options.focus = {{kCorner, 50}};
-        EXPECT_GT(count_in(run_simplify(mesh, options).lods[0], kCorner), 1.8 * before);
-        options.focus = {{kCorner, 0.02}};
-        EXPECT_LT(count_in(run_simplify(mesh, options).lods[0], kCorner), before / 1.8);
+        const double before = count_in(run_simplify(mesh, options).lods[0], corner_of_plate);
+        options.focus = {{corner_of_plate, 50}};
+        EXPECT_GT(count_in(run_simplify(mesh, options).lods[0], corner_of_plate), 1.8 * before);
+        options.focus = {{corner_of_plate, 0.02}};
+        EXPECT_LT(count_in(run_simplify(mesh, options).lods[0], corner_of_plate), before / 1.8);
     }
 }
 
 TEST(Focus, MultipliesWhereBoxesOverlap) {
     const Mesh mesh = rough_plate();
     SimplifyOptions options = plate_options(Method::Refine);
-    options.focus = {{kCorner, 50}};
+    options.focus = {{corner_of_plate, 50}};
     const std::string expected = run_simplify(mesh, options).report.result_hash;
-    options.focus = {{kCorner, 5}, {kCorner, 10}};
+    options.focus = {{corner_of_plate, 5}, {corner_of_plate, 10}};
     EXPECT_EQ(run_simplify(mesh, options).report.result_hash, expected);
 }
 
@@ -83,23 +83,23 @@ TEST(VertexWeights, DrawTrianglesTheSameWay) {
     const Mesh mesh = rough_plate();
     for (const Method method : {Method::Refine, Method::Full}) {
         const SimplifyOptions options = plate_options(method);
-        const double before = count_in(run_simplify(mesh, options).lods[0], kCorner);
-        const Outcome run = run_simplify(with_weights(mesh, kCorner, 50), options);
+        const double before = count_in(run_simplify(mesh, options).lods[0], corner_of_plate);
+        const Outcome run = run_simplify(with_weights(mesh, corner_of_plate, 50), options);
         EXPECT_TRUE(run.report.input.has_weights);
         EXPECT_EQ(run.report.input.defects.bad_weights, 0U);
-        EXPECT_GT(count_in(run.lods[0], kCorner), 1.8 * before);
+        EXPECT_GT(count_in(run.lods[0], corner_of_plate), 1.8 * before);
     }
 }
 
 TEST(VertexWeights, OfOneChangeNothing) {
     const Mesh mesh = rough_plate();
     const SimplifyOptions options = plate_options(Method::Refine);
-    EXPECT_EQ(run_simplify(with_weights(mesh, kCorner, 1), options).report.result_hash,
+    EXPECT_EQ(run_simplify(with_weights(mesh, corner_of_plate, 1), options).report.result_hash,
               run_simplify(mesh, options).report.result_hash);
 }
 
 TEST(VertexWeights, ThatAreNoWeightsAreCounted) {
-    Mesh mesh = with_weights(rough_plate(), kCorner, 1);
+    Mesh mesh = with_weights(rough_plate(), corner_of_plate, 1);
     const SimplifyOptions options = plate_options(Method::Refine);
     const std::string expected = run_simplify(mesh, options).report.result_hash;
     mesh.weights[5] = std::numeric_limits<float>::quiet_NaN();
@@ -134,9 +134,9 @@ TEST(VertexWeights, OfNoneLeaveAMesh) {
 
 TEST(Focus, OfBadRangeIsRefused) {
     SimplifyOptions options = plate_options(Method::Refine);
-    options.focus = {{kCorner, 1001}};
+    options.focus = {{corner_of_plate, 1001}};
     EXPECT_THROW(run_simplify(rough_plate(), options), InvalidArgument);
-    options.focus = {{kCorner, -1}};
+    options.focus = {{corner_of_plate, -1}};
     EXPECT_THROW(run_simplify(rough_plate(), options), InvalidArgument);
     options.focus = {{Bounds{}, 1}};
     EXPECT_THROW(run_simplify(rough_plate(), options), InvalidArgument);

@@ -58,9 +58,11 @@ TEST(LostPlaces, OfAThousandPartsNoneGoesUncountedHoweverSmallTheBudget) {
     Random random(3);
     for (std::uint64_t i = 0; i < 1000; ++i) {
         const double r = random.between(0.05, 0.3);
-        const Mesh one = translated(scaled(cube_sphere(2), {r, r, r}),
-                                    {static_cast<double>(i % 10), static_cast<double>(i / 10 % 10),
-                                     static_cast<double>(i / 100)});
+        const std::uint64_t row = i / 10 % 10;
+        const std::uint64_t layer = i / 100;
+        const Mesh one = translated(
+            scaled(cube_sphere(2), {r, r, r}),
+            {static_cast<double>(i % 10), static_cast<double>(row), static_cast<double>(layer)});
         const std::uint64_t first = mesh.positions.size();
         mesh.positions.insert(mesh.positions.end(), one.positions.begin(), one.positions.end());
         for (const Triangle& t : one.triangles) {

@@ -270,6 +270,7 @@ TEST(CellSample, EstimatesTheCellsOfABigSphere) {
     EXPECT_LT(chosen.size(), kPoints / 4);
     const auto true_count = [&](const UniformGrid& grid) {
         std::vector<CellKey> keys;
+        keys.reserve(points.size());
         for (const LatticePoint& p : points) keys.push_back(grid.key(p));
         std::sort(keys.begin(), keys.end());
         return static_cast<double>(std::unique(keys.begin(), keys.end()) - keys.begin());

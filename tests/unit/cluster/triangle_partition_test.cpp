@@ -33,6 +33,7 @@ TEST(TrianglePartition, GivesEachTriangleOnceToThreadsThatOvertakeEachOther) {
 
         std::vector<std::vector<std::uint32_t>> taken(kThreads);
         std::vector<std::thread> threads;
+        threads.reserve(kThreads);
         for (auto& mine : taken) {
             threads.emplace_back([&partition, &mine] {
                 std::vector<LatticeTriangle> triangles;

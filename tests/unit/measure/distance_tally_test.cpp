@@ -18,6 +18,7 @@ TEST(DistanceTally, SaysTheSameHoweverItsPartsWereShared) {
     std::mt19937 random(1);
     std::lognormal_distribution<double> distance(0, 6);
     std::vector<std::pair<Vec3, double>> points;
+    points.reserve(3002);
     for (int i = 0; i < 3000; ++i) {
         points.push_back({{static_cast<double>(i), 0, 0}, distance(random)});
     }
@@ -75,6 +76,7 @@ TEST(WorstPlaces, AreFarFromEachOtherAndTheWorstThereAre) {
     ooc::Context context({.memory_bytes = 64 << 20, .n_threads = 1});
     WorstPlaces places(context, box);
     std::vector<WorstPlaces::Place> all;
+    all.reserve(5000);
     for (int i = 0; i < 5000; ++i) {
         all.push_back({place(random), {place(random), place(random), 0}});
     }
