@@ -14,6 +14,7 @@
 #include "hewer/error.h"
 #include "hewer/options.h"
 #include "ooc/parallel.h"
+#include "ooc/vec3.h"
 
 namespace hewer::cluster {
 
@@ -21,11 +22,6 @@ namespace {
 
 bool is_finite(const Vec3& p) {
     return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
-}
-
-bool is_inside(const Bounds& b, const Vec3& p) {
-    return p[0] >= b.min[0] && p[1] >= b.min[1] && p[2] >= b.min[2] && p[0] <= b.max[0] &&
-           p[1] <= b.max[1] && p[2] <= b.max[2];
 }
 
 // Scale of the vertex normal sums: 2^-20, so that 2^43 unit normals fit.

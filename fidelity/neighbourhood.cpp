@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "hewer/surface_part.h"
+#include "ooc/vec3.h"
 
 namespace hewer::fidelity {
 
@@ -24,10 +25,7 @@ Bounds widened(Bounds box, double by) {
 
 bool Neighbourhood::has(const Bounds& box) const {
     return std::any_of(boxes_.begin(), boxes_.end(), [&](const Bounds& own) {
-        for (std::size_t k = 0; k < 3; ++k) {
-            if (!(own.min[k] <= box.min[k] && box.max[k] <= own.max[k])) return false;
-        }
-        return true;
+        return is_inside(own, box.min) && is_inside(own, box.max);
     });
 }
 

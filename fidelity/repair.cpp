@@ -79,6 +79,7 @@ class Repair {
   private:
     bool pull(unsigned round);
     std::vector<Far> far_places();
+    void hold_earlier(std::span<const Pull> pulls, PullReport& pulled);
     void count(const PullReport& pulled);
     void judge_again(const PullReport& pulled);
     [[nodiscard]] Mesh part_of_level(std::span<const std::uint64_t> faces) const;
@@ -148,21 +149,7 @@ bool Repair::pull(unsigned round) {
     }
     PullReport pulled = mesh_.pull(pulls);
     if (pulled.n_done == 0) return false;
-    for (Pull& pull : pulls) {
-        pull.by = Pull::By::Corners;
-        pull.near = kStillWithin * bound_;
-    }
-    past_.insert(past_.end(), pulls.begin(), pulls.end());
-    if (past_.size() > kMostPast) past_.erase(past_.begin(), past_.end() - kMostPast);
-    for (unsigned i = 0; i < kSweeps; ++i) {
-        const PullReport again = mesh_.pull(past_);
-        if (again.n_done == 0) break;
-        pulled.n_done += again.n_done;
-        pulled.faces.insert(pulled.faces.end(), again.faces.begin(), again.faces.end());
-        pulled.boxes.insert(pulled.boxes.end(), again.boxes.begin(), again.boxes.end());
-    }
-    std::sort(pulled.faces.begin(), pulled.faces.end());
-    pulled.faces.erase(std::unique(pulled.faces.begin(), pulled.faces.end()), pulled.faces.end());
+    hold_earlier(pulls, pulled);
     // The places of the first round are those of a few samples: their number tells nothing.
     if (round > 0) {
         n_idle_ = pulls.size() < fewest_ ? 0 : n_idle_ + 1;
@@ -171,6 +158,24 @@ bool Repair::pull(unsigned round) {
     count(pulled);
     judge_again(pulled);
     return true;
+}
+
+/// Nudges back what these pulls and others after them have taken from the earlier ones.
+void Repair::hold_earlier(std::span<const Pull> pulls, PullReport& pulled) {
+    for (Pull pull : pulls) {
+        pull.by = Pull::By::Corners;
+        pull.near = kStillWithin * bound_;
+        past_.push_back(pull);
+    }
+    if (past_.size() > kMostPast) past_.erase(past_.begin(), past_.end() - kMostPast);
+    for (unsigned i = 0; i < kSweeps; ++i) {
+        const PullReport again = mesh_.pull(past_);
+        if (again.n_done == 0) break;
+        pulled.faces.insert(pulled.faces.end(), again.faces.begin(), again.faces.end());
+        pulled.boxes.insert(pulled.boxes.end(), again.boxes.begin(), again.boxes.end());
+    }
+    std::sort(pulled.faces.begin(), pulled.faces.end());
+    pulled.faces.erase(std::unique(pulled.faces.begin(), pulled.faces.end()), pulled.faces.end());
 }
 
 void Repair::count(const PullReport& pulled) {

@@ -2,7 +2,6 @@
 #include "measure/far_places.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 

@@ -61,6 +61,16 @@ class Lattice {
         }
         return q;
     }
+    /// Of a box, in steps.
+    [[nodiscard]] Bounds box_from_model(const Bounds& box) const {
+        Bounds steps;
+        for (const Vec3& p : {box.min, box.max}) {
+            const LatticePoint q = from_model(p);
+            steps.extend(Vec3{static_cast<double>(q[0]), static_cast<double>(q[1]),
+                              static_cast<double>(q[2])});
+        }
+        return steps;
+    }
     [[nodiscard]] Vec3 to_model(const Vec3& q) const {
         return {origin_[0] + q[0] * step_, origin_[1] + q[1] * step_, origin_[2] + q[2] * step_};
     }

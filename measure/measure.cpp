@@ -234,9 +234,7 @@ MeasureReport Measurement::run() {
     lattice_ = Lattice(both);
     const double square_step = lattice_.step() * lattice_.step();
     const double diagonal = census.bounds.diagonal() / lattice_.step();
-    Bounds box;
-    box.extend(to_double(lattice_.from_model(both.min)));
-    box.extend(to_double(lattice_.from_model(both.max)));
+    const Bounds box = lattice_.box_from_model(both);
     Direction forward(context_, box, diagonal);
     Direction backward(context_, box, diagonal);
     index_simplified(simplified_census, census.area / square_step);

@@ -27,7 +27,6 @@ class PieceSearch {
     /// Gives up once the limits are spent.
     void check(const LatticeTriangle& triangle);
     [[nodiscard]] const FarPlaces& far() const { return far_; }
-    [[nodiscard]] FarPlaces& far() { return far_; }
 
   private:
     using Nearest = TriangleIndex::Nearest;

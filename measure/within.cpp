@@ -19,6 +19,7 @@
 #include "measure/points.h"
 #include "measure/resident_surface.h"
 #include "measure/triangle_index.h"
+#include "measure/verdict.h"
 #include "measure/waiting_points.h"
 #include "ooc/context.h"
 #include "ooc/parallel.h"
@@ -95,8 +96,7 @@ void Proof::load(const Census& simplified) {
     Bounds both = census_.bounds;
     both.extend(simplified.bounds);
     lattice_ = Lattice(both);
-    box_.extend(to_double(lattice_.from_model(both.min)));
-    box_.extend(to_double(lattice_.from_model(both.max)));
+    box_ = lattice_.box_from_model(both);
     ResidentSurface surface = load_surface(context_, simplified_, simplified, lattice_);
     surface.points.release();
     index_ = TriangleIndex(context_, std::move(surface.triangles), simplified.n_triangles);
@@ -210,13 +210,11 @@ void Proof::decide(PieceLimits& limits, WithinReport& report) {
         }
         pending = std::move(next);
     }
-    FarPlaces& forward = searches.front().far();
-    for (const PieceSearch& other : std::span(searches).subspan(1)) forward.add(other.far());
+    FarPlaces forward(context_, box_, apart);
+    for (const PieceSearch& search : searches) forward.add(search.far());
     const bool is_near = forward.empty() && backward.empty();
     if (limits.is_spent() || (is_near && !pending.empty())) return;
-    report.verdict = is_near ? WithinReport::Verdict::Proven : WithinReport::Verdict::Refuted;
-    report.forward = forward.report(lattice_, options_.most_places);
-    report.backward = backward.report(lattice_, options_.most_places);
+    set_verdict(report, forward, backward, lattice_, options_);
 }
 
 WithinReport Proof::run() {

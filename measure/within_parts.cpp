@@ -17,6 +17,7 @@
 #include "measure/piece_search.h"
 #include "measure/resident_surface.h"
 #include "measure/triangle_index.h"
+#include "measure/verdict.h"
 #include "ooc/context.h"
 #include "ooc/parallel.h"
 
@@ -97,8 +98,7 @@ WithinReport PartsProof::run(MeshSource& original_part, MeshSource& simplified, 
     bounds.extend(all.census.bounds);
     bounds.extend(checked.census.bounds);
     lattice_ = Lattice(bounds);
-    box_.extend(to_double(lattice_.from_model(bounds.min)));
-    box_.extend(to_double(lattice_.from_model(bounds.max)));
+    box_ = lattice_.box_from_model(bounds);
 
     WithinReport report;
     const double steps = distance_ / lattice_.step() - kRounding;
@@ -115,10 +115,7 @@ WithinReport PartsProof::run(MeshSource& original_part, MeshSource& simplified, 
     context_.end_stage();
     report.n_pieces = limits.n();
     if (limits.is_spent()) return report;
-    report.verdict = forward.empty() && backward.empty() ? WithinReport::Verdict::Proven
-                                                         : WithinReport::Verdict::Refuted;
-    report.forward = forward.report(lattice_, options_.most_places);
-    report.backward = backward.report(lattice_, options_.most_places);
+    set_verdict(report, forward, backward, lattice_, options_);
     return report;
 }
 

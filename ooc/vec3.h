@@ -33,6 +33,12 @@ inline Vec3 operator*(double s, const Vec3& a) {
     return {s * a[0], s * a[1], s * a[2]};
 }
 
+/// Of the box, its walls included; never so for what is not a number.
+inline bool is_inside(const Bounds& box, const Vec3& p) {
+    return p[0] >= box.min[0] && p[1] >= box.min[1] && p[2] >= box.min[2] && p[0] <= box.max[0] &&
+           p[1] <= box.max[1] && p[2] <= box.max[2];
+}
+
 /// From the box to a point; 0 inside.
 inline double squared_distance(const Bounds& box, const Vec3& p) {
     double squared = 0;

@@ -16,13 +16,6 @@ using cluster::CellRecord;
 
 namespace {
 
-bool is_inside(const Bounds& box, const Vec3& p) {
-    for (std::size_t k = 0; k < 3; ++k) {
-        if (p[k] < box.min[k] || p[k] > box.max[k]) return false;
-    }
-    return true;
-}
-
 void weigh(CellRecord& cell, float weight) {
     for (float& x : cell.quadric) x *= weight;
     cell.area *= weight;
