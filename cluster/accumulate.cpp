@@ -42,7 +42,7 @@ class Accumulator {
 
     /// Where corner v of the next triangle belongs. Not handed over to add(): a corner that is
     /// copied as a whole right after its parts were written stalls.
-    Corner& corner(std::size_t v) { return waiting_[v][n_waiting_]; }
+    PlacedPoint& corner(std::size_t v) { return waiting_[v][n_waiting_]; }
     /// Adds the triangle whose corners are in place.
     void add() {
         if (++n_waiting_ == 4) add_waiting();
@@ -68,11 +68,18 @@ class Accumulator {
         pending.cell = CellTable::kNone;
         pending.sums.clear();
     }
+    /// They are needed when the cell has been left.
+    HEWER_INLINE static void prefetch(const CellSums& sums) noexcept {
+        constexpr std::size_t kLine = 64;
+        const auto* const bytes = reinterpret_cast<const char*>(&sums);
+        for (std::size_t at = 0; at < sizeof sums; at += kLine) __builtin_prefetch(bytes + at, 1);
+    }
     HEWER_INLINE CellContribution& sums_of(std::uint32_t cell) noexcept {
         Pending& pending = pending_[cell % kPending];
         if (pending.cell != cell) {
             empty(pending);
             pending.cell = cell;
+            prefetch(table_.sums(cell));
         }
         return pending.sums;
     }
@@ -218,21 +225,20 @@ class CornerFinder {
     }
 
   private:
-    bool find(std::uint64_t vertex, Corner& corner) {
-        const VertexPages::Page& page = view_->page_of(vertex);
-        const std::uint64_t i = vertex & (VertexPages::kPageVertices - 1);
+    bool find(std::uint64_t v, PlacedPoint& corner) {
+        PlacedPoint& vertex = view_->vertex(v);
         // Two workers may look the same vertex up at once: they find the same slot.
-        const std::atomic_ref<std::uint32_t> slot(page.slots[i]);
+        const std::atomic_ref<std::uint32_t> slot(vertex.cell);
         corner.cell = slot.load(std::memory_order_relaxed);
         if (corner.cell == CellTable::kNone) return false;
-        corner.point = page.points[i];
+        corner.point = vertex.point;
         if (corner.cell == VertexPages::kUnknown) {
             corner.cell = cell_of(corner.point);
             slot.store(corner.cell, std::memory_order_relaxed);
         }
         return true;
     }
-    Corner locate(const Vec3& p) {
+    PlacedPoint locate(const Vec3& p) {
         for (std::size_t k = 0; k < 3; ++k) {
             if (!(p[k] >= input_.bounds.min[k] && p[k] <= input_.bounds.max[k])) {
                 throw_outside_bounds(input_.source, "a triangle");

@@ -13,14 +13,10 @@
 
 namespace hewer::cluster {
 
-struct Corner {
-    LatticePoint point;
-    std::uint32_t cell;  ///< a slot of the table
-};
-static_assert(sizeof(Corner) == sizeof(Words));
+static_assert(sizeof(PlacedPoint) == sizeof(Words));
 
 /// Corner v of triangle i is [v][i].
-using FourCorners = std::array<std::array<Corner, 4>, 3>;
+using FourCorners = std::array<std::array<PlacedPoint, 4>, 3>;
 
 /// Per triangle: its plane with a third of its area for the cell of each corner; one that is inside
 /// a cell brings its whole area with its first corner, and the others bring nothing. Every lane is
@@ -137,9 +133,10 @@ class FourTriangles {
     /// Of corner v: where it is in lattice steps, from its cell's centre in cells (truncated to
     /// 2^-52), and in 2^-border_bits cells modulo 2^32, as all arithmetic on borders: differences
     /// of them are right.
-    HEWER_INLINE static void load(const std::array<Corner, 4>& corners, const UniformGrid& grid,
-                                  const FixedPoint& fixed, Lanes3<Reals>& point,
-                                  Lanes3<Reals>& offset, Lanes3<Words>& whole, Words& cells) {
+    HEWER_INLINE static void load(const std::array<PlacedPoint, 4>& corners,
+                                  const UniformGrid& grid, const FixedPoint& fixed,
+                                  Lanes3<Reals>& point, Lanes3<Reals>& offset, Lanes3<Words>& whole,
+                                  Words& cells) {
         constexpr double kInteger = 4503599627370496.0;  // 2^52: its low bits count units
         std::array<Words, 4> words;
         std::memcpy(&words, &corners, sizeof words);

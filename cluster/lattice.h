@@ -13,6 +13,14 @@ namespace hewer::cluster {
 /// A position in steps of Lattice::step() from its origin.
 using LatticePoint = std::array<std::uint32_t, 3>;
 
+/// A point and the cell that it is in: a slot of CellTable. In one piece, so that a look at both
+/// meets one cache line.
+struct alignas(16) PlacedPoint {
+    LatticePoint point;
+    std::uint32_t cell;
+};
+static_assert(sizeof(PlacedPoint) == 16);
+
 /// 2^32 - 2 steps along the longest side of the box, the same step on all axes: 2.3e-10 of the
 /// extent everywhere, whatever the distance to the model's own origin. Integers make equal
 /// positions equal, differences exact and sums independent of their order.

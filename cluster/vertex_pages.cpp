@@ -16,20 +16,20 @@ namespace {
 
 void forget_slots(VertexPages::Page& page) {
     for (std::uint64_t i = 0; i < page.n; ++i) {
-        if (page.slots[i] != CellTable::kNone) page.slots[i] = VertexPages::kUnknown;
+        std::uint32_t& cell = page.vertices[i].cell;
+        if (cell != CellTable::kNone) cell = VertexPages::kUnknown;
     }
 }
 
 }  // namespace
 
 VertexPages::VertexPages(const CellTable& table, VertexStore& store)
-    : table_(&table), pages_((store.points.size() + kPageVertices - 1) >> kPageBits) {
+    : table_(&table), pages_((store.vertices.size() + kPageVertices - 1) >> kPageBits) {
     for (std::uint64_t p = 0; p < pages_.size(); ++p) {
         Page& page = pages_[p];
         const std::uint64_t first = p << kPageBits;
-        page.points = store.points.data() + first;
-        page.slots = store.cells.data() + first;
-        page.n = std::min(kPageVertices, store.points.size() - first);
+        page.vertices = store.vertices.data() + first;
+        page.n = std::min(kPageVertices, store.vertices.size() - first);
         page.epoch = std::numeric_limits<std::uint64_t>::max();
     }
 }
@@ -51,8 +51,7 @@ VertexPages::VertexPages(ooc::Context& context, const CellTable& table, MeshSour
     }
     page_bytes_ = context.budget().reserve(
         "pages of vertices", pages_.size() * (sizeof(Page) + context.n_threads() * sizeof(void*)));
-    points_ = {context.budget(), "a window of vertices", frames_.size() << kPageBits};
-    slots_ = {context.budget(), "a window of vertices", frames_.size() << kPageBits};
+    vertices_ = {context.budget(), "a window of vertices", frames_.size() << kPageBits};
 }
 
 void VertexPages::View::release() {
@@ -65,17 +64,17 @@ void VertexPages::View::release() {
     pinned_.clear();
 }
 
-const VertexPages::Page* VertexPages::pin(std::uint64_t p) {
+const VertexPages::Page& VertexPages::pin(std::uint64_t p) {
     const std::lock_guard lock(mutex_);
     Page& page = pages_[p];
-    if (page.points == nullptr) load(p);
+    if (page.vertices == nullptr) load(p);
     if (page.epoch != table_->epoch()) {
         forget_slots(page);
         page.epoch = table_->epoch();
     }
     page.is_recent = true;
     ++page.n_pins;
-    return &page;
+    return page;
 }
 
 /// Second chance: the first page from the hand on that is not in use and has not been since the
@@ -90,8 +89,7 @@ void VertexPages::make_frame(Page& page) {
         }
         Page& other = pages_[*frames_[at].page];
         if (other.n_pins == 0 && !std::exchange(other.is_recent, false)) {
-            other.points = nullptr;
-            other.slots = nullptr;
+            other.vertices = nullptr;
             frame = at;
             break;
         }
@@ -99,8 +97,7 @@ void VertexPages::make_frame(Page& page) {
     if (frame == frames_.size()) {
         throw InternalError("more vertex pages in use than there are");
     }
-    page.points = points_.data() + (frame << kPageBits);
-    page.slots = slots_.data() + (frame << kPageBits);
+    page.vertices = vertices_.data() + (frame << kPageBits);
     frames_[frame].page = static_cast<std::uint64_t>(&page - pages_.data());
 }
 
@@ -110,18 +107,19 @@ void VertexPages::load(std::uint64_t p) {
     ++n_loads_;
     const std::uint64_t first = p << kPageBits;
     if (!spooled_->empty()) {
-        spooled_->read(first, std::span<LatticePoint>(page.points, page.n));
+        points_.resize(page.n);
+        spooled_->read(first, points_);
         for (std::uint64_t i = 0; i < page.n; ++i) {
-            page.slots[i] = page.points[i] == kNotFinite ? CellTable::kNone : kUnknown;
+            const bool is_finite = points_[i] != kNotFinite;
+            page.vertices[i] = {points_[i], is_finite ? kUnknown : CellTable::kNone};
         }
     } else {
         source_->read_vertices(first, page.n, batch_);
         for (std::uint64_t i = 0; i < page.n; ++i) {
             const Vec3& x = batch_.positions[i];
-            page.slots[i] = CellTable::kNone;
+            page.vertices[i].cell = CellTable::kNone;
             if (!std::isfinite(x[0]) || !std::isfinite(x[1]) || !std::isfinite(x[2])) continue;
-            page.slots[i] = kUnknown;
-            page.points[i] = lattice_.encode(x);
+            page.vertices[i] = {lattice_.encode(x), kUnknown};
         }
     }
     page.epoch = table_->epoch();

@@ -35,9 +35,9 @@ class VertexPages {
     static constexpr std::uint64_t kPageBytes = kPageVertices * 16;
 
     struct Page {
-        LatticePoint* points = nullptr;
-        /// Slot in the table, kUnknown, or CellTable::kNone for a vertex that is not finite.
-        std::uint32_t* slots = nullptr;
+        /// With the slot in the table, kUnknown, or CellTable::kNone for a vertex that is not
+        /// finite.
+        PlacedPoint* vertices = nullptr;
         std::uint64_t n = 0;
         std::uint64_t epoch = 0;
         std::uint32_t n_pins = 0;
@@ -73,7 +73,7 @@ class VertexPages {
     [[nodiscard]] std::uint32_t slot_of(std::uint64_t vertex) const {
         const Page& page = pages_[vertex >> kPageBits];
         if (source_ != nullptr || page.epoch != table_->epoch()) return kUnknown;
-        return page.slots[vertex & (kPageVertices - 1)];
+        return page.vertices[vertex & (kPageVertices - 1)].cell;
     }
 
     /// One worker's pages of the present batch.
@@ -89,26 +89,26 @@ class VertexPages {
         /// triangle: end the batch, then.
         [[nodiscard]] bool is_full() const { return pinned_.size() + 3 > most_pinned_; }
         /// Call under an Admission of the table, and with is_full() false for the triangle.
-        const Page& page_of(std::uint64_t vertex) {
-            const std::uint64_t p = vertex >> kPageBits;
+        PlacedPoint& vertex(std::uint64_t v) {
+            const std::uint64_t p = v >> kPageBits;
             if (mine_[p] == nullptr) {
-                mine_[p] = pages_->pin(p);
+                mine_[p] = pages_->pin(p).vertices;
                 pinned_.push_back(p);
             }
-            return *mine_[p];
+            return mine_[p][v & (kPageVertices - 1)];
         }
         /// At the end of a batch, before the Admission ends.
         void release();
 
       private:
         VertexPages* pages_;
-        std::vector<const Page*> mine_;
+        std::vector<PlacedPoint*> mine_;  // by page; null: not pinned
         std::vector<std::uint64_t> pinned_;
         std::size_t most_pinned_;
     };
 
   private:
-    const Page* pin(std::uint64_t p);
+    const Page& pin(std::uint64_t p);
     void load(std::uint64_t p);
     void make_frame(Page& page);
 
@@ -122,14 +122,14 @@ class VertexPages {
     struct Frame {
         std::optional<std::uint64_t> page;
     };
-    ooc::Array<LatticePoint> points_;  // of all frames
-    ooc::Array<std::uint32_t> slots_;
+    ooc::Array<PlacedPoint> vertices_;  // of all frames
     std::vector<Frame> frames_;
     std::size_t hand_ = 0;  // of the clock that finds a page to give up
     ooc::Reservation page_bytes_;
     std::atomic<std::uint64_t> n_loads_{0};
     std::size_t most_pinned_ = ~std::size_t{0};  // by each worker
-    VertexBatch batch_;
+    VertexBatch batch_;                          // of load()
+    std::vector<LatticePoint> points_;           // likewise
 };
 
 }  // namespace hewer::cluster

@@ -158,8 +158,7 @@ VertexStore load_float_vertices(ooc::Context& context, MeshSource& source, Input
                                 Bounds& bounds) {
     const std::uint64_t n = source.info().n_vertices;
     VertexStore store;
-    store.points = {context.budget(), "vertices", n};
-    store.cells = {context.budget(), "vertices", n};
+    store.vertices = {context.budget(), "vertices", n};
     std::mutex mutex;
     std::map<std::uint64_t, InputDefects> by_place;
     source.begin_vertices();
@@ -171,13 +170,14 @@ VertexStore load_float_vertices(ooc::Context& context, MeshSource& source, Input
                 const Vec3& p = batch.positions[i];
                 const std::uint64_t v = batch.first + i;
                 if (!is_finite(p)) {
-                    store.cells[v] = CellTable::kNone;
+                    store.vertices[v].cell = CellTable::kNone;
                     continue;
                 }
                 local.extend(p);
-                store.cells[v] = VertexPages::kUnknown;
+                store.vertices[v].cell = VertexPages::kUnknown;
                 for (std::size_t k = 0; k < 3; ++k) {
-                    store.points[v][k] = std::bit_cast<std::uint32_t>(static_cast<float>(p[k]));
+                    store.vertices[v].point[k] =
+                        std::bit_cast<std::uint32_t>(static_cast<float>(p[k]));
                 }
             }
             {
@@ -198,9 +198,9 @@ VertexStore load_float_vertices(ooc::Context& context, MeshSource& source, Input
             if (!store.is_finite(v)) continue;
             Vec3 p;
             for (std::size_t k = 0; k < 3; ++k) {
-                p[k] = static_cast<double>(std::bit_cast<float>(store.points[v][k]));
+                p[k] = static_cast<double>(std::bit_cast<float>(store.vertices[v].point[k]));
             }
-            store.points[v] = lattice.encode(p);
+            store.vertices[v].point = lattice.encode(p);
         }
     });
     return store;
@@ -210,8 +210,7 @@ VertexStore load_vertices(ooc::Context& context, MeshSource& source, const Bound
                           const Lattice& lattice) {
     const std::uint64_t n = source.info().n_vertices;
     VertexStore store;
-    store.points = {context.budget(), "vertices", n};
-    store.cells = {context.budget(), "vertices", n};
+    store.vertices = {context.budget(), "vertices", n};
     source.begin_vertices();
     context.workers().on_each([&](unsigned) {
         VertexBatch batch;
@@ -220,12 +219,12 @@ VertexStore load_vertices(ooc::Context& context, MeshSource& source, const Bound
                 const Vec3& p = batch.positions[i];
                 const std::uint64_t v = batch.first + i;
                 if (is_inside(bounds, p)) {
-                    store.points[v] = lattice.encode(p);
-                    store.cells[v] = VertexPages::kUnknown;
+                    store.vertices[v].point = lattice.encode(p);
+                    store.vertices[v].cell = VertexPages::kUnknown;
                 } else if (is_finite(p)) {
                     throw_outside_bounds(source, "vertex " + std::to_string(v));
                 } else {
-                    store.cells[v] = CellTable::kNone;
+                    store.vertices[v].cell = CellTable::kNone;
                 }
             }
             context.advance(batch.positions.size());

@@ -23,12 +23,11 @@ Bounds scan_bounds(ooc::Context& context, MeshSource& source, InputDefects& defe
 
 /// Memory: 16 bytes a vertex.
 struct VertexStore {
-    ooc::Array<LatticePoint> points;
-    /// For VertexPages; CellTable::kNone for a vertex with a non-finite coordinate.
-    ooc::Array<std::uint32_t> cells;
+    /// Cells are for VertexPages; CellTable::kNone for a vertex with a non-finite coordinate.
+    ooc::Array<PlacedPoint> vertices;
 
     [[nodiscard]] bool is_finite(std::uint64_t vertex) const {
-        return cells[vertex] != CellTable::kNone;
+        return vertices[vertex].cell != CellTable::kNone;
     }
 };
 

@@ -51,14 +51,14 @@ constexpr double kLeastBlockCells = 4096;
 constexpr std::uint64_t kRangeShare = 4;
 
 CellSample sample_vertices(ooc::Context& context, const VertexStore& vertices) {
-    CellSample sample(vertices.points.size());
+    CellSample sample(vertices.vertices.size());
     std::mutex mutex;
     context.workers().for_ranges(
-        vertices.points.size(), 1 << 16, [&](std::uint64_t begin, std::uint64_t end) {
+        vertices.vertices.size(), 1 << 16, [&](std::uint64_t begin, std::uint64_t end) {
             std::vector<LatticePoint> chosen;
             for (std::uint64_t v = begin; v < end; ++v) {
-                if (vertices.is_finite(v) && sample.is_chosen(vertices.points[v])) {
-                    chosen.push_back(vertices.points[v]);
+                if (vertices.is_finite(v) && sample.is_chosen(vertices.vertices[v].point)) {
+                    chosen.push_back(vertices.vertices[v].point);
                 }
             }
             const std::lock_guard lock(mutex);
@@ -246,7 +246,7 @@ class Pass {
                                                  std::uint64_t window) const {
         if (options_.tuning.table_cells != 0) return options_.tuning.table_cells;
         const std::uint64_t taken = context_.budget().limit() / kSpareShare + kSpareBytes + window +
-                                    (vertices_.store.points.size() * 16) +
+                                    (vertices_.store.vertices.size() * 16) +
                                     ooc::MemoryBudget::kFixedBytes +
                                     slack_bytes(context_.budget().limit());
         const std::uint64_t limit = context_.budget().limit();
