@@ -11,10 +11,6 @@ namespace hewer::streaming {
 
 namespace {
 
-constexpr bool is_digit(unsigned char c) {
-    return static_cast<unsigned char>(c - '0') < 10;
-}
-
 /// What the fast path leaves: long mantissas, large exponents, inf, nan, and what is no number.
 const unsigned char* parse_any_double(const unsigned char* p, double& value) {
     const unsigned char* token_end = p;
@@ -41,19 +37,6 @@ const unsigned char* parse_any_double(const unsigned char* p, double& value) {
 }
 
 }  // namespace
-
-const unsigned char* parse_integer(const unsigned char* p, std::int64_t& value) {
-    const bool is_negative = *p == '-';
-    if (*p == '-' || *p == '+') ++p;
-    const unsigned char* const first = p;
-    std::uint64_t magnitude = 0;
-    for (; is_digit(*p); ++p) magnitude = magnitude * 10 + static_cast<unsigned>(*p - '0');
-    // 18 digits always fit; longer ones are no count or id of anything, leading zeros aside.
-    if (p == first || p - first > 18 || !is_blank(*p)) return nullptr;
-    value =
-        is_negative ? -static_cast<std::int64_t>(magnitude) : static_cast<std::int64_t>(magnitude);
-    return p;
-}
 
 // Clinger 1990: with a mantissa below 2^53 and a power of ten that a double holds exactly, one
 // multiplication or division rounds correctly.

@@ -16,6 +16,10 @@ constexpr bool is_blank(unsigned char c) {
     return c <= ' ';
 }
 
+constexpr bool is_digit(unsigned char c) {
+    return static_cast<unsigned char>(c - '0') < 10;
+}
+
 inline const unsigned char* skip_blanks(const unsigned char* p, const unsigned char* end) {
     while (p != end && is_blank(*p)) ++p;
     return p;
@@ -83,9 +87,35 @@ inline const unsigned char* skip_tokens(const unsigned char* p, const unsigned c
     return p + std::countr_zero(found) / 8;
 }
 
+/// How often `byte` occurs. In sums of one byte, which a vector has many of; std::count() widens
+/// each.
+inline std::uint64_t count_byte(const unsigned char* p, const unsigned char* end,
+                                unsigned char byte) {
+    constexpr std::ptrdiff_t kPiece = 255;  // what such a sum can hold
+    std::uint64_t n = 0;
+    while (p != end) {
+        const unsigned char* const piece_end = p + std::min(end - p, kPiece);
+        std::uint8_t found = 0;
+        for (; p != piece_end; ++p) found = static_cast<std::uint8_t>(found + (*p == byte ? 1 : 0));
+        n += found;
+    }
+    return n;
+}
+
 /// Parses the decimal integer that begins at `p`. Returns the place after it; null if the token is
-/// something else or does not fit.
-const unsigned char* parse_integer(const unsigned char* p, std::int64_t& value);
+/// something else or does not fit. Inline: a mesh has four of them in each row.
+inline const unsigned char* parse_integer(const unsigned char* p, std::int64_t& value) {
+    const bool is_negative = *p == '-';
+    if (*p == '-' || *p == '+') ++p;
+    const unsigned char* const first = p;
+    std::uint64_t magnitude = 0;
+    for (; is_digit(*p); ++p) magnitude = magnitude * 10 + static_cast<unsigned>(*p - '0');
+    // 18 digits always fit; longer ones are no count or id of anything, leading zeros aside.
+    if (p == first || p - first > 18 || !is_blank(*p)) return nullptr;
+    value =
+        is_negative ? -static_cast<std::int64_t>(magnitude) : static_cast<std::int64_t>(magnitude);
+    return p;
+}
 
 /// Parses the number that begins at `p`, correctly rounded; also inf and nan as C and Microsoft's
 /// library print them. Too large a number becomes infinite, too small a one 0. Returns the place

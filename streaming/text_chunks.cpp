@@ -15,14 +15,11 @@ namespace {
 constexpr std::uint64_t kMostChunkBytes = 1 << 20;
 constexpr std::uint64_t kLeastChunkBytes = 64 << 10;
 
-std::uint64_t count(const unsigned char* from, const unsigned char* to, unsigned char byte) {
-    return static_cast<std::uint64_t>(std::count(from, to, byte));
-}
-
 }  // namespace
 
 std::uint64_t TextChunk::lines_before(const unsigned char* p) const {
-    return count(begin(), p, line_end) + (has_joined_lines ? count(begin(), p, kJoint) : 0);
+    return count_byte(begin(), p, line_end) +
+           (has_joined_lines ? count_byte(begin(), p, kJoint) : 0);
 }
 
 std::string quote_token(const unsigned char* p, const unsigned char* end) {
@@ -129,7 +126,7 @@ void TextChunks::read(std::uint64_t i, TextChunk& chunk) const {
     chunk.offset = base + chunk.skip;
     chunk.is_last = chunk.offset + chunk.n_bytes == end_;
     data[stop - data] = line_end_;
-    chunk.n_lines = count(chunk.begin(), chunk.end(), line_end_);
+    chunk.n_lines = count_byte(chunk.begin(), chunk.end(), line_end_);
 }
 
 }  // namespace hewer::streaming

@@ -15,7 +15,7 @@ constexpr std::size_t kMaxRowBytes = 4 << 20;
 }  // namespace
 
 std::uint64_t line_of(const TextBlock& block, const unsigned char* p) {
-    return block.first_line + static_cast<std::uint64_t>(std::count(block.bytes.data(), p, '\n'));
+    return block.first_line + count_byte(block.bytes.data(), p, '\n');
 }
 
 std::string token_text(const TextBlock& block, const unsigned char* p) {
@@ -95,12 +95,17 @@ const unsigned char* TextReader::skip_row(const TextBlock& block, const unsigned
         p = skip_tokens(p, end, shape_.lists[i].gap);
         if (p == nullptr) return nullptr;
         const unsigned char* const token = skip_blanks(p, end);
-        p = skip_tokens(token, end, 1);
-        if (p == nullptr) return nullptr;
         std::int64_t count = 0;
-        if (parse_integer(token, count) == nullptr) {
-            fail(block, token,
-                 "the list count '" + token_text(block, token) + "' is not a whole number");
+        if (end - token > 1 && is_digit(token[0]) && is_blank(token[1])) {  // nearly always
+            count = token[0] - '0';
+            p = token + 1;
+        } else {
+            p = skip_tokens(token, end, 1);
+            if (p == nullptr) return nullptr;
+            if (parse_integer(token, count) == nullptr) {
+                fail(block, token,
+                     "the list count '" + token_text(block, token) + "' is not a whole number");
+            }
         }
         if (count < 0) {
             fail(block, token, "a list has the negative count " + std::to_string(count));

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <random>
@@ -90,6 +91,20 @@ TEST(NumberParser, SkipsTokensOfAnyLengthBetweenAnyBlanks) {
         }
         ASSERT_EQ(skip_tokens(begin, end, n), nullptr);
         ASSERT_EQ(count_tokens(begin, end), n - 1);
+    }
+}
+
+TEST(NumberParser, CountsAByteInTextOfAnyLength) {
+    std::mt19937_64 random(3);
+    for (std::size_t length = 0; length < 1200; ++length) {
+        std::string text(length, '\n');
+        // None of it, some of it, all of it: sums of one byte must not run over.
+        for (char& c : text) {
+            if (random() % 3 < length % 3) c = 'x';
+        }
+        const unsigned char* const begin = bytes(text);
+        ASSERT_EQ(count_byte(begin, begin + length, '\n'),
+                  static_cast<std::uint64_t>(std::count(text.begin(), text.end(), '\n')));
     }
 }
 
