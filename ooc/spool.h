@@ -117,11 +117,17 @@ class SpoolReader {
     }
     /// As many of the next records as are at hand, at least one; empty at the end.
     std::span<const T> next_piece() {
-        if (used_ == filled_ && !fill()) return {};
-        const std::span<const T> piece(buffer_.data() + used_, filled_ - used_);
-        used_ = filled_;
+        const std::span<const T> piece = peek_piece();
+        skip(piece.size());
         return piece;
     }
+    /// The same, without taking them.
+    std::span<const T> peek_piece() {
+        if (used_ == filled_ && !fill()) return {};
+        return {buffer_.data() + used_, filled_ - used_};
+    }
+    /// Takes the first `n` of peek_piece().
+    void skip(std::uint64_t n) { used_ += n; }
 
     /// Place of the record that next() will return.
     [[nodiscard]] std::uint64_t position() const { return at_ - (filled_ - used_); }

@@ -139,7 +139,8 @@ class Finisher::Level {
         next_counts_.assign(counts_.size(), 0);
         using Merges = std::vector<std::pair<VertexId, VertexId>>;
         struct Cut {
-            CoreAndRim parts;
+            SortedCore core;
+            BlockMesh rim;
             Merges merges;
             std::vector<LostPart> lost;
         };
@@ -156,17 +157,19 @@ class Finisher::Level {
                 const auto steps = logs.logs.load(b, logs.n_steps[b]);
                 Cut cut;
                 cut.lost = apply_steps(mesh, steps, with_merges ? &cut.merges : nullptr);
-                cut.parts = split_rim(std::move(mesh));
+                CoreAndRim parts = split_rim(std::move(mesh));
+                cut.core = sort_core(std::move(parts.core));
+                cut.rim = std::move(parts.rim);
                 return cut;
             },
-            [&](std::uint64_t b, Cut& cut) {
+            [&](std::uint64_t b, const Cut& cut) {
                 report.collapses += logs.n_steps[b];
                 append_lost(context, cut.lost, report.lost);
                 for (const LostPart& part : cut.lost) report.lost_cells += part.n_cells;
                 report.merges.insert(report.merges.end(), cut.merges.begin(), cut.merges.end());
-                count_rim(b, cut.parts.rim);
-                next_rims_->append(cut.parts.rim);
-                append_core(core, std::move(cut.parts.core));
+                count_rim(b, cut.rim);
+                next_rims_->append(cut.rim);
+                append_core(core, cut.core);
                 context.advance(logs.n_steps[b]);
             });
         prepared_.reset();

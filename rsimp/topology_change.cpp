@@ -67,7 +67,7 @@ WholeMesh::WholeMesh(ooc::Context& context, const MeshStore& store)
 
 MeshStore WholeMesh::store() const {
     MeshStore store = make_mesh_store(context_, origin_, mesh_.attributes.kinds());
-    append_core(store, mesh_);
+    append_core(store, sort_core(mesh_));
     return store;
 }
 

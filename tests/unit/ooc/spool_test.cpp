@@ -305,6 +305,25 @@ TEST(ExternalSorter, HoldsNoMoreThanItsBufferAndGivesItBack) {
     EXPECT_EQ(context.budget().used(), before);
 }
 
+TEST(SpoolReader, TakesAsMuchOfAPieceAsIsWanted) {
+    Context context(tight(8 << 20, 4096));
+    Spool<Odd> spool(context, "records");
+    fill(spool, 20000, 7);
+    SpoolReader<Odd> reader(spool);
+    test::Random random(8);
+    std::uint64_t i = 0;
+    for (;;) {
+        const std::span<const Odd> piece = reader.peek_piece();
+        if (piece.empty()) break;
+        const std::uint64_t n = 1 + random.below(piece.size());
+        for (std::uint64_t k = 0; k < n; ++k) ASSERT_EQ(piece[k], odd(i + k));
+        reader.skip(n);
+        i += n;
+        ASSERT_EQ(reader.position(), i);
+    }
+    EXPECT_EQ(i, spool.size());
+}
+
 TEST(Spool, KeepsItsRecordsWhenSealed) {
     for (const std::uint64_t n : {0U, 1U, 1000U, 40'000U}) {
         for (const bool is_tight : {false, true}) {
