@@ -17,7 +17,7 @@ namespace {
 
 // One of so many blocks is tried first.
 constexpr std::size_t kSampleStride = 8;
-constexpr std::size_t kLeastSample = 2;
+constexpr std::size_t kLeastSample = 3;
 // So few that are tried are kept to go on; of so few, of unequal size, all are tried at once, since
 // one that is left for later may be the largest.
 constexpr std::size_t kFewBlocks = 4;
@@ -133,7 +133,12 @@ class LevelCollapse {
 
     /// The cost at which a few blocks have lost their share of what has to go.
     float sample_key() {
-        const std::size_t n = blocks_.size();
+        // The others have nothing to tell.
+        std::vector<std::size_t> open;
+        for (std::size_t b = 0; b < blocks_.size(); ++b) {
+            if (n_open_[b] > 0) open.push_back(b);
+        }
+        const std::size_t n = open.size();
         const std::size_t n_sample =
             n <= kFewBlocks ? n : std::max(kLeastSample, n / kSampleStride);
         struct Key {
@@ -143,7 +148,7 @@ class LevelCollapse {
         std::vector<Key> keys;
         double share = 0;
         const double wanted = static_cast<double>(std::max(need_.faces, need_.vertices));
-        const auto block = [&](std::uint64_t i) { return (2 * i + 1) * n / (2 * n_sample); };
+        const auto block = [&](std::uint64_t i) { return open[(2 * i + 1) * n / (2 * n_sample)]; };
         const auto share_of = [&](std::size_t b) {
             return wanted * static_cast<double>(n_open_[b]) /
                    static_cast<double>(std::max<std::uint64_t>(1, n_all_open_));
