@@ -34,6 +34,31 @@ double length_of(const Vec3& v) {
     return std::sqrt(dot(v, v));
 }
 
+/// A face that points may be nearest to.
+class Candidate {
+  public:
+    Candidate(std::span<const Vec3> positions, const LocalFace& face)
+        : a_(positions[face[0]]),
+          b_(positions[face[1]]),
+          c_(positions[face[2]]),
+          normal_(cross(b_ - a_, c_ - a_)) {}
+
+    [[nodiscard]] bool shows_back(const WeightedPoint& point) const {
+        return rsimp::shows_back(normal_, as_vec3(point.normal));
+    }
+    /// Squared distance; infinite if the face shows the point its back.
+    [[nodiscard]] double cost(const WeightedPoint& point) const {
+        if (shows_back(point)) return std::numeric_limits<double>::infinity();
+        return squared_distance(as_vec3(point.position), a_, b_, c_);
+    }
+
+  private:
+    Vec3 a_;
+    Vec3 b_;
+    Vec3 c_;
+    Vec3 normal_;
+};
+
 }  // namespace
 
 EdgeFlips::EdgeFlips(const MeshPiece& piece)
@@ -95,7 +120,7 @@ bool EdgeFlips::take(const WeightedPoint& point, std::uint32_t nearest_face, flo
     if (std::any_of(face.begin(), face.end(), [&](std::uint32_t v) { return v >= n_own_; })) {
         return false;
     }
-    if (std::isinf(cost(point, face))) return false;
+    if (Candidate(positions_, face).shows_back(point)) return false;
     next_.push_back(first_[nearest_face]);
     first_[nearest_face] = static_cast<std::uint32_t>(points_.size());
     points_.push_back(point);
@@ -175,17 +200,6 @@ bool EdgeFlips::keeps_shape(const Flip& flip) const {
     return shape >= kLeastShape || shape >= std::min(f.shape, g.shape);
 }
 
-/// Squared distance; infinite if the face shows the point its back.
-double EdgeFlips::cost(const WeightedPoint& point, const LocalFace& face) const {
-    const Vec3& a = positions_[face[0]];
-    const Vec3& b = positions_[face[1]];
-    const Vec3& c = positions_[face[2]];
-    if (shows_back(cross(b - a, c - a), as_vec3(point.normal))) {
-        return std::numeric_limits<double>::infinity();
-    }
-    return squared_distance(as_vec3(point.position), a, b, c);
-}
-
 /// What the middle of the new edge is farther from the surface at its nearest point than that of
 /// the old edge, in squares times the weight.
 double EdgeFlips::cost_of_middles(const Flip& flip) const {
@@ -227,11 +241,13 @@ float EdgeFlips::gain_of(std::uint32_t half_edge) const {
     }
     const double most = (1 - kLeastGain) * before;
     double after = cost_of_middles(flip);
+    const Candidate new_f(positions_, flip.new_f);
+    const Candidate new_g(positions_, flip.new_g);
     for (const std::uint32_t face : {flip.f, flip.g}) {
         for (std::uint32_t i = first_[face]; i != kNoIndex; i = next_[i]) {
             if (!(after < most)) return 0;
             after += static_cast<double>(points_[i].weight) *
-                     std::min(cost(points_[i], flip.new_f), cost(points_[i], flip.new_g));
+                     std::min(new_f.cost(points_[i]), new_g.cost(points_[i]));
         }
     }
     return after < most ? static_cast<float>(before - after) : 0;
@@ -273,9 +289,11 @@ void EdgeFlips::carry_out(const Flip& flip) {
         join(3 * flip.g + k, flip.across_g[k]);
     }
     join(3 * flip.f + 2, 3 * flip.g + 2);
+    const Candidate new_f(positions_, flip.new_f);
+    const Candidate new_g(positions_, flip.new_g);
     for (const std::uint32_t i : at_hand_) {
-        const double to_f = cost(points_[i], flip.new_f);
-        const double to_g = cost(points_[i], flip.new_g);
+        const double to_f = new_f.cost(points_[i]);
+        const double to_g = new_g.cost(points_[i]);
         face_[i] = to_f <= to_g ? flip.f : flip.g;
         squared_[i] = static_cast<float>(std::min(to_f, to_g));
         next_[i] = first_[face_[i]];

@@ -69,7 +69,6 @@ class EdgeFlips {
     [[nodiscard]] bool are_neighbours(std::uint32_t half_edge, std::uint32_t vertex) const;
     [[nodiscard]] bool describe(std::uint32_t half_edge, Flip& flip) const;
     [[nodiscard]] bool keeps_shape(const Flip& flip) const;
-    [[nodiscard]] double cost(const WeightedPoint& point, const LocalFace& face) const;
     [[nodiscard]] double cost_of_middles(const Flip& flip) const;
     [[nodiscard]] float gain_of(std::uint32_t half_edge) const;
     void offer(std::uint32_t half_edge);
