@@ -19,12 +19,13 @@ Eigen3 eigen_decomposition(const Symmetric3& m) {
             const int p = pair[0];
             const int q = pair[1];
             if (a[p][q] == 0) continue;
-            const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
+            const double apq = a[p][q];
+            const double difference = a[q][q] - a[p][p];
             const double t =
-                (theta >= 0 ? 1.0 : -1.0) / (std::fabs(theta) + std::sqrt(theta * theta + 1));
+                (difference >= 0 ? 2 : -2) * apq /
+                (std::fabs(difference) + std::sqrt(difference * difference + 4 * apq * apq));
             const double c = 1 / std::sqrt(t * t + 1);
             const double s = t * c;
-            const double apq = a[p][q];
             a[p][p] -= t * apq;
             a[q][q] += t * apq;
             a[p][q] = a[q][p] = 0;
