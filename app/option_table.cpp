@@ -102,8 +102,8 @@ OptionSpec{"lods", "--lods", "LIST", T::Lods, kTargets, "triangles, or ratios", 
 
 OptionSpec{"method", "--method", "NAME", T::Choice, kTargets, "", "auto", 0, 0, "auto|refine|uniform|full|copy", kMethod, false,
     "refine: fine grid, refined where the surface needs it, finished by edge collapse. full: the same "
-    "from every original vertex, and with feedback; best and slowest. uniform: one coarse grid, "
-    "fastest. copy: every triangle as it is, into another format; needs no target. auto: full up to "
+    "from every original vertex, and with feedback; best and slowest. uniform: one coarse grid "
+    "and edge collapse; fastest. copy: every triangle as it is, into another format; needs no target. auto: full up to "
     "1M vertices, refine above; copy for --ratio 100%."},
 OptionSpec{"cell", "--cell", "SIZE", T::Number, kTargets, "model units", "=from the target", kSmallest, kNoLimit, "", kMethod, false,
     "Edge of a grid cell. With --method uniform it takes the place of a target."},
@@ -127,7 +127,7 @@ OptionSpec{"focus", "--focus", "BOX:WEIGHT", T::FocusBoxes, kTargets, "model uni
     "to 1000. May be given several times; weights multiply."},
 OptionSpec{"feedback", "--feedback", "N", T::CountOrOff, kTargets, "rounds, or off", "=2 with --method full; with refine 1 where much is far; else off", 1, 20, "", kMethod, false,
     "Find the places where a first result is far from the input, and give them more triangles."},
-OptionSpec{"fit", "--fit", "N", T::CountOrOff, kTargets, "rounds, or off", "=2, with --method full 4; off with --method uniform or --displacement", 1, 100, "", kMethod, false,
+OptionSpec{"fit", "--fit", "N", T::CountOrOff, kTargets, "rounds, or off", "=1, with --method full 4; off with --method uniform or --displacement", 1, 100, "", kMethod, false,
     "Move the vertices of the result, as a whole, towards the original surface."},
 OptionSpec{"certify", "--certify", "", T::Flag, kSimplify, "", "", 0, 0, "", kMethod, false,
     "Measure the distance of each result from the input, both ways, for the summary and the report."},

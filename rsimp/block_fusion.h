@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The uniform method's last step: a grid twice as fine as the target asks for, fused where it
+/// The uniform method: a grid finer than the edge collapse is to begin with, fused where it
 /// costs least.
 #pragma once
 

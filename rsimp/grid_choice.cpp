@@ -48,7 +48,9 @@ double target_vertices(const Target& target, std::uint64_t n_input_faces) {
 }
 
 double wanted_cells(Method method, double vertices, std::uint64_t n_input_faces) {
-    if (method == Method::Uniform) return std::max(kFewestCells, kUniformCellsPerVertex * vertices);
+    if (method == Method::Uniform) {
+        return std::max(kUniformFewestCells, kUniformCellsPerVertex * vertices);
+    }
     const double fewest = std::clamp(static_cast<double>(n_input_faces) / kTrianglesPerCell,
                                      kFewestCells, kMostOfFewest);
     return std::max(fewest, kCellsPerVertex * vertices);

@@ -15,20 +15,23 @@ namespace hewer::rsimp {
 /// docs/quality.md has the measurements.
 inline constexpr double kCellsPerVertex = 7;
 /// The same for the uniform method, which fuses them.
-inline constexpr double kUniformCellsPerVertex = 3;
+inline constexpr double kUniformCellsPerVertex = 2;
 /// Inputs with up to so many vertices are refined from the vertices themselves, unless told
 /// otherwise: that takes a second or two.
 inline constexpr std::uint64_t kVerticesWorthAll = 1'000'000;
 /// Targets, however small, get at least this many cells: less would save no time worth having, and
 /// parts that share a cell with others could not be told when they are lost.
 inline constexpr double kFewestCells = 50'000;
+inline constexpr double kUniformFewestCells = 30'000;
 /// But for the uniform method, inputs get at least one cell for so many of their triangles, up to
 /// kMostOfFewest: the cells take little of the time that reading so many takes.
 inline constexpr double kTrianglesPerCell = 16;
 inline constexpr double kMostOfFewest = 400'000;
-/// Clusters per vertex of the finest LOD at which refinement hands over to the edge collapse. Two
-/// instead of three save a seventh of the time and cost 2 to 3 % of error.
+/// Clusters per vertex of the finest LOD at which refinement, or fusion, hands over to the edge
+/// collapse. Two instead of three save a seventh of the time and cost 2 to 3 % of error; fusion
+/// with one and a half has .5 to .9 of the error that it has with one and no collapse.
 constexpr double clusters_per_vertex(Method method) {
+    if (method == Method::Uniform) return 1.5;
     return method == Method::Refine ? 2 : 3;
 }
 /// With fewer cells than this times the clusters wanted, the collapse begins with the cells
@@ -36,11 +39,11 @@ constexpr double clusters_per_vertex(Method method) {
 inline constexpr double kWorthRefining = 1.3;
 /// Rounds of feedback, unless told otherwise.
 inline constexpr unsigned kFeedbackRounds = 2;
-/// Rounds of the fit, unless told otherwise: the third and fourth gain 1 to 4 % on clean scans,
-/// lose as much on rough ones, and cost a sixth of the time of Method::Refine (docs/fit.md).
+/// Rounds of the fit, unless told otherwise: with Method::Refine the second gains 2 to 3 % and
+/// costs a tenth of the time (docs/fit.md).
 constexpr unsigned default_fit_rounds(Method method) {
     if (method == Method::Uniform || method == Method::Copy) return 0;
-    return method == Method::Refine ? 2 : 4;
+    return method == Method::Refine ? 1 : 4;
 }
 /// Whether the fit of a finest LOD of so many vertices looks at the triangles between cells instead
 /// of the cells. Where cells are vertices these triangles are the input's own, and seen twice as

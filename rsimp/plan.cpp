@@ -177,11 +177,10 @@ PlanReport plan(const InputPaths& input, const SimplifyOptions& asked) {
     const bool is_kept = options.topology == Topology::Keep;
     const bool is_refined = !is_kept && options.method != Method::Uniform && wanted > 0 &&
                             wanted * rsimp::kWorthRefining < static_cast<double>(report.cells);
-    // The uniform method fuses its cells to about as many clusters as there are to be vertices.
     const bool is_fused = options.method == Method::Uniform && vertices > 0;
     const std::uint64_t clusters = static_cast<std::uint64_t>(
         is_refined ? wanted
-                   : (is_fused ? std::min(vertices, static_cast<double>(report.cells))
+                   : (is_fused ? std::min(wanted, static_cast<double>(report.cells))
                                : static_cast<double>(report.cells)));
     report.target_triangles = static_cast<std::uint64_t>(2 * vertices);
     const std::uint64_t out_triangles =
@@ -229,9 +228,7 @@ PlanReport plan(const InputPaths& input, const SimplifyOptions& asked) {
         static_cast<double>(info.n_faces) *
             (kSecondsPerFace + (is_sorted ? kSecondsPerFaceOutOfOrder : 0)) +
         static_cast<double>(report.cells) * kSecondsPerCell +
-        (options.method == Method::Uniform
-             ? 0
-             : (1 + n_timed) * static_cast<double>(clusters) * kSecondsPerCluster) +
+        (is_free ? 0 : (1 + n_timed) * static_cast<double>(clusters) * kSecondsPerCluster) +
         rsimp::fit_rounds(options) * static_cast<double>(report.cells) * kSecondsPerFitSample;
     return report;
 }

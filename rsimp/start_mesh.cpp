@@ -30,11 +30,6 @@ namespace {
 constexpr double kEnoughTriangles = 1.25;
 // Of the area for each vertex: triangles that are larger are sampled more than once by the fit.
 constexpr double kLargestTriangle = 0.25;
-// Share of the budget that the uniform method aims at and is content with, and the factor on its
-// clusters when it falls short.
-constexpr double kUniformAim = 0.985;
-constexpr double kUniformLeast = 0.85;
-constexpr double kMoreClusters = 1.15;
 // Cells of the next grid for each cell of one that was too coarse.
 constexpr double kFinerGrid = 4;
 // The first splits of an error-bound run stop at this part of the bound; the collapse uses up the
@@ -118,6 +113,11 @@ Attempt begin(ooc::Context& context, const CellBlocks& cells, ClusterMesh cluste
     return attempt;
 }
 
+/// A factor on the clusters that came to too few triangles.
+double more_clusters(const Attempt& attempt, double triangles_wanted) {
+    return std::clamp(triangles_wanted / std::max(attempt.n_triangles, 1.0), 1.5, 8.0);
+}
+
 /// Refines until the mesh has enough triangles for the collapse to choose from.
 Attempt refine_to_budget(ooc::Context& context, const CellBlocks& cells,
                          const SimplifyOptions& options, StageLog& stages,
@@ -139,7 +139,7 @@ Attempt refine_to_budget(ooc::Context& context, const CellBlocks& cells,
                   is_all ? cells_as_clusters(context, cells)
                          : refiner->refine_to_count(static_cast<std::uint64_t>(wanted)));
         if (is_all || attempt.n_triangles >= kEnoughTriangles * triangles) return attempt;
-        wanted *= std::clamp(per_vertex * triangles / std::max(attempt.n_triangles, 1.0), 1.5, 8.0);
+        wanted *= more_clusters(attempt, per_vertex * triangles);
     }
 }
 
@@ -185,21 +185,23 @@ double improve(ooc::Context& context, CellBlocks& cells, const SimplifyOptions& 
     return result.mean_square;
 }
 
-/// The uniform method: as many clusters as a closed surface needs for the budget. Where parts
-/// vanish in their clusters that is too few, and more are allowed.
+/// The uniform method: cells are fused until the mesh has about as many triangles as the collapse
+/// is to begin with.
 Attempt fuse_to_budget(ooc::Context& context, const CellBlocks& cells,
                        const SimplifyOptions& options, StageLog& stages,
                        const SimplifyReport& report) {
     stages.begin("refine", 0, "clusters");
     const double triangles = budget(options, report);
     if (triangles == 0) return begin(context, cells, cells_as_clusters(context, cells));
-    for (double wanted = kUniformAim * triangles / 2;; wanted *= kMoreClusters) {
+    const double per_vertex = clusters_per_vertex(options.method);
+    for (double wanted = per_vertex * triangles / 2;;) {
         Attempt attempt =
             begin(context, cells, fuse_blocks(context, cells, static_cast<std::uint64_t>(wanted)));
-        if (attempt.n_triangles >= kUniformLeast * triangles ||
+        if (attempt.n_triangles >= kEnoughTriangles * triangles ||
             wanted >= static_cast<double>(cells.n_cells())) {
             return attempt;
         }
+        wanted *= more_clusters(attempt, per_vertex * triangles);
     }
 }
 
@@ -277,8 +279,7 @@ StartMesh make_start_mesh(ooc::Context& context, MeshSource& source, const Simpl
         for (unsigned i = 0; i < rounds && !attempt.start.finished; ++i) {
             distance = improve(context, cells, options, distance, attempt, stages, report);
         }
-        const double enough =
-            (is_uniform ? kUniformLeast : kEnoughTriangles) * budget(options, report);
+        const double enough = kEnoughTriangles * budget(options, report);
         if (is_finest || attempt.n_triangles >= enough) {
             if (!is_uniform || fit_rounds(options) > 0) {
                 attempt.start.samples =

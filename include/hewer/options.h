@@ -17,7 +17,7 @@ namespace hewer {
 /// How the clusters come about; see docs/pipeline.md.
 enum class Method {
     Refine,  ///< fine grid, refined coarse to fine, finished by edge collapse (RSimp on OoCS cells)
-    Uniform,  ///< one grid as coarse as the target (OoCS): fastest
+    Uniform,  ///< one coarse grid (OoCS), fused, and edge collapse: fastest
     Full,     ///< every original vertex takes part (VMRSimp), with feedback: best and slowest
     Copy,     ///< every triangle as it is: for other formats; docs/output_formats.md
     Auto,     ///< Full for inputs of up to a million vertices, Refine for larger ones; Copy for one
