@@ -52,7 +52,7 @@ class LevelCollapse {
             }
             return run_all(limit);
         }
-        limit.most_key = kKeyMargin * sample_key();
+        limit.most_key = first_key();
         for (;;) {
             StepStore logs = run_all(limit);
             const double got = static_cast<double>(n_got_);
@@ -131,8 +131,10 @@ class LevelCollapse {
         return logs;
     }
 
-    /// The cost at which a few blocks have lost their share of what has to go.
-    float sample_key() {
+    /// The cost at which a few blocks have lost their share of what has to go, and a little more;
+    /// where all of them were tried, it is enough for certain: what they have not got to yet only
+    /// adds to what goes up to it.
+    float first_key() {
         // The others have nothing to tell.
         std::vector<std::size_t> open;
         for (std::size_t b = 0; b < blocks_.size(); ++b) {
@@ -176,7 +178,7 @@ class LevelCollapse {
             key = std::max(key, k.key);
             if ((sum += k.weight) >= share) break;
         }
-        return key;
+        return n_sample == n ? key : kKeyMargin * key;
     }
 
     ooc::Context& context_;
