@@ -32,7 +32,7 @@ class VertexPages {
   public:
     static constexpr unsigned kPageBits = 10;
     static constexpr std::uint64_t kPageVertices = std::uint64_t{1} << kPageBits;
-    static constexpr std::uint64_t kPageBytes = kPageVertices * 16;
+    static constexpr std::uint64_t kPageBytes = kPageVertices * sizeof(PlacedPoint);
 
     struct Page {
         /// With the slot in the table, kUnknown, or CellTable::kNone for a vertex that is not

@@ -34,9 +34,11 @@ constexpr double clusters_per_vertex(Method method) {
     if (method == Method::Uniform) return 1.5;
     return method == Method::Refine ? 2 : 3;
 }
-/// With fewer cells than this times the clusters wanted, the collapse begins with the cells
-/// themselves.
-inline constexpr double kWorthRefining = 1.3;
+/// Whether so many clusters are too many to be worth finding: the collapse begins with the cells
+/// themselves then.
+constexpr bool are_cells_enough(Method method, double clusters, std::uint64_t n_cells) {
+    return clusters * (method == Method::Uniform ? 1 : 1.3) >= static_cast<double>(n_cells);
+}
 /// Rounds of feedback, unless told otherwise.
 inline constexpr unsigned kFeedbackRounds = 2;
 /// Rounds of the fit, unless told otherwise: with Method::Refine the second gains 2 to 3 % and

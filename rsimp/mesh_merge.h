@@ -2,7 +2,6 @@
 /// The finished parts of all levels as one mesh.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "ooc/context.h"

@@ -175,13 +175,9 @@ PlanReport plan(const InputPaths& input, const SimplifyOptions& asked) {
     report.surviving_triangles = std::min(info.n_faces, 2 * report.cells + report.cells / 8);
     const double wanted = rsimp::clusters_per_vertex(options.method) * vertices;
     const bool is_kept = options.topology == Topology::Keep;
-    const bool is_refined = !is_kept && options.method != Method::Uniform && wanted > 0 &&
-                            wanted * rsimp::kWorthRefining < static_cast<double>(report.cells);
-    const bool is_fused = options.method == Method::Uniform && vertices > 0;
-    const std::uint64_t clusters = static_cast<std::uint64_t>(
-        is_refined ? wanted
-                   : (is_fused ? std::min(wanted, static_cast<double>(report.cells))
-                               : static_cast<double>(report.cells)));
+    const bool is_all =
+        is_kept || wanted == 0 || rsimp::are_cells_enough(options.method, wanted, report.cells);
+    const std::uint64_t clusters = is_all ? report.cells : static_cast<std::uint64_t>(wanted);
     report.target_triangles = static_cast<std::uint64_t>(2 * vertices);
     const std::uint64_t out_triangles =
         vertices > 0 ? report.target_triangles : report.surviving_triangles;

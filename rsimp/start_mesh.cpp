@@ -113,33 +113,32 @@ Attempt begin(ooc::Context& context, const CellBlocks& cells, ClusterMesh cluste
     return attempt;
 }
 
-/// A factor on the clusters that came to too few triangles.
-double more_clusters(const Attempt& attempt, double triangles_wanted) {
-    return std::clamp(triangles_wanted / std::max(attempt.n_triangles, 1.0), 1.5, 8.0);
-}
-
-/// Refines until the mesh has enough triangles for the collapse to choose from.
-Attempt refine_to_budget(ooc::Context& context, const CellBlocks& cells,
-                         const SimplifyOptions& options, StageLog& stages,
-                         const SimplifyReport& report) {
+/// Refines, or with the uniform method fuses cells, until the mesh has enough triangles for the
+/// collapse to choose from.
+Attempt begin_with_budget(ooc::Context& context, const CellBlocks& cells,
+                          const SimplifyOptions& options, StageLog& stages,
+                          const SimplifyReport& report) {
     const double triangles = budget(options, report);
-    const auto n_cells = static_cast<double>(cells.n_cells());
     const double per_vertex = clusters_per_vertex(options.method);
     double wanted = std::ceil(per_vertex * triangles / 2);
-    stages.begin("refine", static_cast<std::uint64_t>(wanted), "clusters");
+    const bool is_uniform = options.method == Method::Uniform;
+    stages.begin("refine", is_uniform ? 0 : static_cast<std::uint64_t>(wanted), "clusters");
     std::unique_ptr<BlockRefiner> refiner;
-    for (;;) {
-        const bool is_all =
-            options.topology == Topology::Keep || wanted * kWorthRefining >= n_cells;
-        if (!is_all && !refiner) {
+    const auto find_clusters = [&] {
+        const auto n = static_cast<std::uint64_t>(wanted);
+        if (is_uniform) return fuse_blocks(context, cells, n);
+        if (!refiner) {
             refiner = std::make_unique<BlockRefiner>(context, cells, priority_of(options));
         }
+        return refiner->refine_to_count(n);
+    };
+    for (;;) {
+        const bool is_all = options.topology == Topology::Keep || triangles == 0 ||
+                            are_cells_enough(options.method, wanted, cells.n_cells());
         Attempt attempt =
-            begin(context, cells,
-                  is_all ? cells_as_clusters(context, cells)
-                         : refiner->refine_to_count(static_cast<std::uint64_t>(wanted)));
+            begin(context, cells, is_all ? cells_as_clusters(context, cells) : find_clusters());
         if (is_all || attempt.n_triangles >= kEnoughTriangles * triangles) return attempt;
-        wanted *= more_clusters(attempt, per_vertex * triangles);
+        wanted *= std::clamp(per_vertex * triangles / std::max(attempt.n_triangles, 1.0), 1.5, 8.0);
     }
 }
 
@@ -155,7 +154,7 @@ double improve(ooc::Context& context, CellBlocks& cells, const SimplifyOptions& 
         start.finisher->run(collapse_target(options.targets.front(), report), false, start.finish);
     if (mesh.faces.empty()) {
         attempt = {};
-        attempt = refine_to_budget(context, cells, options, stages, report);
+        attempt = begin_with_budget(context, cells, options, stages, report);
         return before;
     }
     stages.begin("feedback", 0, "cells");
@@ -181,28 +180,8 @@ double improve(ooc::Context& context, CellBlocks& cells, const SimplifyOptions& 
     cells.cells = std::move(result.cells);
     cells.vanished = std::move(result.vanished);
     attempt = {};
-    attempt = refine_to_budget(context, cells, options, stages, report);
+    attempt = begin_with_budget(context, cells, options, stages, report);
     return result.mean_square;
-}
-
-/// The uniform method: cells are fused until the mesh has about as many triangles as the collapse
-/// is to begin with.
-Attempt fuse_to_budget(ooc::Context& context, const CellBlocks& cells,
-                       const SimplifyOptions& options, StageLog& stages,
-                       const SimplifyReport& report) {
-    stages.begin("refine", 0, "clusters");
-    const double triangles = budget(options, report);
-    if (triangles == 0) return begin(context, cells, cells_as_clusters(context, cells));
-    const double per_vertex = clusters_per_vertex(options.method);
-    for (double wanted = per_vertex * triangles / 2;;) {
-        Attempt attempt =
-            begin(context, cells, fuse_blocks(context, cells, static_cast<std::uint64_t>(wanted)));
-        if (attempt.n_triangles >= kEnoughTriangles * triangles ||
-            wanted >= static_cast<double>(cells.n_cells())) {
-            return attempt;
-        }
-        wanted *= more_clusters(attempt, per_vertex * triangles);
-    }
 }
 
 /// From parts of the diagonal to cells; nothing for what the input does not have.
@@ -272,8 +251,7 @@ StartMesh make_start_mesh(ooc::Context& context, MeshSource& source, const Simpl
             return std::move(attempt.start);
         }
         const bool is_uniform = options.method == Method::Uniform;
-        Attempt attempt = is_uniform ? fuse_to_budget(context, cells, options, stages, report)
-                                     : refine_to_budget(context, cells, options, stages, report);
+        Attempt attempt = begin_with_budget(context, cells, options, stages, report);
         const unsigned rounds = feedback_rounds(options);
         double distance = std::numeric_limits<double>::infinity();
         for (unsigned i = 0; i < rounds && !attempt.start.finished; ++i) {

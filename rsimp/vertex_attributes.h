@@ -92,10 +92,6 @@ struct AttributeSpools {
         if (!attributes.sums.empty()) sums.append(attributes.sums);
         if (!attributes.quadrics.empty()) quadrics.append(attributes.quadrics);
     }
-    void push(const VertexAttributes& attributes, std::size_t v) {
-        if (!attributes.sums.empty()) sums.push(attributes.sums[v]);
-        if (!attributes.quadrics.empty()) quadrics.push(attributes.quadrics[v]);
-    }
     /// Of the vertices first .. first + n - 1.
     void read(std::uint64_t first, std::size_t n, VertexAttributes& attributes) const {
         attributes.resize(n, kinds());
